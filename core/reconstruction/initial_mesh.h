@@ -1,0 +1,12 @@
+#pragma once
+#include "core/capture/capture.h"
+#include "core/mesh/mesh.h"
+#include "core/reconstruction/reconstruct.h"
+
+namespace anyrate {
+
+/// Step 1 of the method: visual hull, Poisson, iso-surface, largest piece without tiny handles. World units; a fine
+/// mesh still to be remeshed to the coarse count. `progress` hears of the stages hull and poisson.
+Mesh initial_surface(const Capture& capture, const ProgressFn& progress);
+
+}  // namespace anyrate

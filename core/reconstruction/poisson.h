@@ -1,0 +1,29 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/reconstruction/visual_hull.h"
+
+namespace anyrate {
+
+/// A scalar field on the nodes of a regular grid: node (i, j, k) stands at origin + spacing * (i, j, k) and is
+/// values[(k * ny + j) * nx + i]. Negative inside the object.
+struct ScalarField {
+    int nx = 0, ny = 0, nz = 0;
+    Vec3 origin = Vec3::Zero();
+    double spacing = 1.0;
+    std::vector<float> values;
+};
+
+struct PoissonOptions {
+    double spacing = 0.0;    ///< world units
+    double screening = 4.0;  ///< weight of the points' own positions against the smoothness of the field
+    int margin = 4;          ///< empty cells kept around the points
+};
+
+/// The indicator-like field whose gradient fits the points' normals, shifted so that its zero set passes through the
+/// points. Source: Kazhdan, Bolitho, Hoppe 2006; screening as in Kazhdan and Hoppe 2013.
+/// @throws InputError if `points` is empty
+ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options);
+
+}  // namespace anyrate

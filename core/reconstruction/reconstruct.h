@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include "core/capture/capture.h"
+#include "core/progressive/model_sink.h"
+
+namespace anyrate {
+
+enum class Method {
+    refine,   ///< the method: coarse mesh, optimise, split where the images disagree most
+    flow,     ///< the paper's baseline: remesh to the full count, then plain surface flow
+    uniform,  ///< refine, but splitting the largest faces instead of the most distorted
+};
+
+struct ReconstructOptions {
+    int n_vertices = 10'000;
+    int n_coarse = 2'500;
+    std::uint64_t seed = 1;
+    Method method = Method::refine;
+};
+
+enum class Stage { hull, poisson, remesh, optimise, refine };
+const char* stage_name(Stage stage);
+
+struct Progress {
+    Stage stage = Stage::hull;
+    double fraction = 0;  ///< of this stage, 0..1
+    int n_vertices = 0;   ///< of the mesh so far, 0 before there is one
+    double psi = 0;       ///< Eq. 10, squared 8-bit colour units
+};
+using ProgressFn = std::function<void(const Progress&)>;
+
+struct CurvePoint {
+    int n_vertices = 0;
+    double psi = 0;
+};
+
+struct ReconstructResult {
+    std::vector<CurvePoint> curve;  ///< one per batch, the base first
+    bool stopped = false;           ///< the stop token ended it early; what the sink received is a valid model
+};
+
+/// The whole method: hull, Poisson, remesh, then the loop visibility - photo-consistency - flow - refine - emit.
+/// The same capture and options give the same calls of the sink for any number of threads.
+/// @throws InputError if the silhouettes have no common inside, or the counts are out of range
+ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& options, ModelSink& sink,
+                              const ProgressFn& progress = {}, std::stop_token stop = {});
+
+}  // namespace anyrate

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/progressive/model_sink.h"
+#include "proto/index.h"
+
+namespace anyrate {
+
+/// Takes the next bytes of a log; called once per whole header or frame. It may throw IoError.
+using ByteSink = std::function<void(std::span<const std::byte>)>;
+
+/// Encodes a model as it is made: header, base, colours, then refine and colour frames, each handed to the byte sink as
+/// soon as it is whole (the live form of proto/FORMAT.md, no index). After each frame rows() has one more row.
+class LogWriter final : public ModelSink {
+public:
+    /// @param log_id   identity of the model, also its ETag; any value
+    /// @param on_bytes receives the live log, in order
+    LogWriter(std::uint64_t log_id, ByteSink on_bytes);
+    ~LogWriter() override;
+
+    BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override;
+    void base_attributes(std::span<const Rgb8> colours, const DistortionPoint& distortion) override;
+    void batch(std::span<const SplitRecord> records, const RefinableMesh& state, std::span<const Rgb8> new_colours,
+               const DistortionPoint& distortion) override;
+    void finish() override;
+
+    std::span<const IndexRow> rows() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The sealed form of a live log: the same frames with the index right behind the header and an end frame.
+/// A live log that ends early is sealed at its last whole frame (with its colours, if they are there).
+/// `rows` gives the distortions; rows beyond the log's frames are ignored, missing ones have NaN distortion.
+/// @throws DecodeError if `live` is no log
+std::vector<std::byte> seal_log(std::span<const std::byte> live, std::span<const IndexRow> rows);
+
+}  // namespace anyrate

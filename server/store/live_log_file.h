@@ -1,0 +1,31 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "proto/index.h"
+
+namespace anyrate {
+
+/// A live log on disk and its side index `<live>.idx`. Every append is whole frames and is durable when it returns; the
+/// index is replaced atomically, so that a reader always sees rows of frames that are there.
+class LiveLogFile {
+public:
+    /// Creates `live`, or empties it. @throws IoError
+    explicit LiveLogFile(std::filesystem::path live);
+    ~LiveLogFile();
+    LiveLogFile(const LiveLogFile&) = delete;
+    LiveLogFile& operator=(const LiveLogFile&) = delete;
+
+    void append(std::span<const std::byte> frames);                        ///< @throws IoError
+    void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows);  ///< @throws IoError
+    /// Writes the sealed form (seal_log) to `sealed` atomically and removes the live files. @throws IoError
+    void seal(const std::filesystem::path& sealed, std::span<const IndexRow> rows);
+
+private:
+    std::filesystem::path path_;
+    int file_ = -1;
+};
+
+}  // namespace anyrate
