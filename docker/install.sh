@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs every Debian 12 package that building, testing and running Anyrate needs; as root, or through sudo.
+# Asks the network only if something is missing, so it costs nothing to run again.
+set -euo pipefail
+
+packages=(
+    # building
+    build-essential cmake ninja-build ccache git ca-certificates pkg-config
+    # core: geometry and images
+    libeigen3-dev libtbb-dev libopenmesh-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libarchive-dev
+    # proto
+    libdraco-dev nlohmann-json3-dev
+    # server
+    libcli11-dev libspdlog-dev libsqlite3-dev
+    # tests and scripts
+    doctest-dev curl python3
+)
+
+is_installed() {
+    [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+# Boost 1.81 (Beast, Asio, URL) cannot stand beside the headers of Debian's default 1.74, which also serve.
+if ! is_installed libboost1.74-dev; then
+    packages+=(libboost1.81-dev libboost-url1.81-dev)
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    is_installed "$package" || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+    exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "install.sh: not root and no sudo; missing: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+fi
+echo "install.sh: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
