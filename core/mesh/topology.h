@@ -7,9 +7,9 @@ namespace anyrate {
 /// inconsistent edge, no bad vertex, and genus = 1 - euler / 2.
 struct Topology {
     int n_vertices = 0, n_edges = 0, n_faces = 0;
-    int n_boundary_edges = 0;      ///< edges with one face
-    int n_nonmanifold_edges = 0;   ///< edges with more than two faces
-    int n_inconsistent_edges = 0;  ///< edges whose two faces run the same way along it
+    int n_boundary_edges = 0;        ///< edges with one face
+    int n_nonmanifold_edges = 0;     ///< edges with more than two faces
+    int n_inconsistent_edges = 0;    ///< edges whose two faces run the same way along it
     int n_nonmanifold_vertices = 0;  ///< vertices whose faces form more than one fan; unused vertices count too
     int n_components = 0;
     int euler = 0;  ///< V - E + F
