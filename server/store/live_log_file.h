@@ -5,6 +5,7 @@
 #include <span>
 
 #include "proto/index.h"
+#include "server/store/file.h"
 
 namespace anyrate {
 
@@ -18,14 +19,17 @@ public:
     LiveLogFile(const LiveLogFile&) = delete;
     LiveLogFile& operator=(const LiveLogFile&) = delete;
 
-    void append(std::span<const std::byte> frames);                        ///< @throws IoError
+    void append(std::span<const std::byte> frames);                            ///< @throws IoError
     void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows);  ///< @throws IoError
     /// Writes the sealed form (seal_log) to `sealed` atomically and removes the live files. @throws IoError
     void seal(const std::filesystem::path& sealed, std::span<const IndexRow> rows);
 
 private:
     std::filesystem::path path_;
-    int file_ = -1;
+    FileHandle file_;
 };
+
+/// `<live>.idx`
+std::filesystem::path side_index_of(const std::filesystem::path& live);
 
 }  // namespace anyrate

@@ -1,0 +1,95 @@
+#include "server/store/model_store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "server/store/model_id.h"
+
+namespace anyrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+FileHandle lock_folder(const fs::path& data) {
+    FileHandle lock(::open((data / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+    if (!lock) throw IoError("cannot write in the data directory " + data.string());
+    if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
+        throw IoError("the data directory " + data.string() + " is in use by another server");
+    return lock;
+}
+
+/// Runs file system work and turns its exception into ours.
+template <class Work>
+auto io(const Work& work) {
+    try {
+        return work();
+    } catch (const fs::filesystem_error& error) {
+        throw IoError(error.what());
+    }
+}
+
+std::vector<fs::path> entries(const fs::path& folder) {
+    return {fs::directory_iterator(folder), fs::directory_iterator()};
+}
+
+}  // namespace
+
+ModelPaths model_paths(const fs::path& data, const std::string& id) {
+    if (!is_model_id(id)) throw InputError("\"" + id + "\" is not a model id: expected 26 of a-z and 2-7");
+    const fs::path folder = data / "models" / id;
+    return {.folder = folder,
+            .capture = folder / "capture.zip",
+            .live_log = folder / "log.live",
+            .sealed_log = folder / "model.arl",
+            .lock = folder / "lock"};
+}
+
+ModelStore::ModelStore(fs::path data) : data_(std::move(data)) {
+    io([&] {
+        fs::create_directories(data_ / "models");
+        fs::create_directories(data_ / "uploads");
+    });
+    lock_ = lock_folder(data_);
+}
+
+fs::path ModelStore::catalog_file() const { return data_ / "catalog.sqlite"; }
+
+fs::path ModelStore::upload_file(const std::string& name) const { return data_ / "uploads" / name; }
+
+void ModelStore::adopt_upload(const fs::path& upload, const std::string& id) {
+    const ModelPaths model = paths(id);
+    io([&] {
+        fs::create_directory(model.folder);
+        fs::rename(upload, model.capture);
+    });
+    sync_folder(model.folder);
+    sync_folder(data_ / "models");
+}
+
+void ModelStore::remove(const std::string& id) {
+    io([&] { fs::remove_all(paths(id).folder); });
+}
+
+void ModelStore::remove_leftovers(const std::function<bool(const std::string& id)>& is_known) {
+    io([&] {
+        for (const fs::path& upload : entries(data_ / "uploads")) fs::remove_all(upload);
+        for (const fs::path& model : entries(data_ / "models"))
+            if (!is_known(model.filename().string())) fs::remove_all(model);
+    });
+}
+
+std::optional<LogView> ModelStore::open_log(const std::string& id) const {
+    const ModelPaths model = paths(id);
+    return anyrate::open_log(model.sealed_log, model.live_log);
+}
+
+std::uint64_t ModelStore::free_bytes() const {
+    return io([&] { return fs::space(data_).available; });
+}
+
+}  // namespace anyrate
