@@ -14,6 +14,6 @@ bool is_model_id(std::string_view text);
 
 /// The log id of one attempt at a model: equal for equal arguments, different for two attempts at a model, so that a
 /// client can tell a log that was begun anew from one that goes on.
-std::uint64_t log_id_of(std::string_view model_id, int attempt);
+std::uint64_t log_id_of_attempt(std::string_view model_id, int attempt);
 
 }  // namespace anyrate

@@ -1,0 +1,69 @@
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/jobs/model_events.h"
+#include "server/store/catalog.h"
+
+namespace anyrate {
+
+struct SchedulerOptions {
+    int n_workers = 1;     ///< jobs at a time
+    int max_attempts = 3;  ///< of a job whose worker dies or whose machine fails
+    std::chrono::milliseconds stop_patience = std::chrono::seconds(5);  ///< for a worker that was told to stop
+    std::chrono::milliseconds job_limit = std::chrono::hours(6);        ///< after this a worker is killed
+};
+
+/// The command that starts a worker for a claimed model.
+using WorkerCommand = std::function<std::vector<std::string>(const ModelRecord& model)>;
+/// Takes one line of news for the operator.
+using LogLine = std::function<void(const std::string&)>;
+
+/// Runs queued models, each attempt in a worker process of its own, and keeps the catalog true: progress, the end, a
+/// retry if the worker died. Threads of its own, one a worker; safe to call from several threads.
+class Scheduler {
+public:
+    /// Requeues what a dead server left running, then starts. `catalog` and `events` must outlive it.
+    Scheduler(Catalog& catalog, ModelEvents& events, WorkerCommand command, SchedulerOptions options, LogLine log);
+    /// stop()
+    ~Scheduler();
+
+    /// There may be a new model in the queue.
+    void wake();
+    /// Kills the worker of a model, if it has one, and waits for its end. The caller has removed or cancelled the model
+    /// in the catalog.
+    void abandon(const std::string& id);
+    /// Takes no new model, tells the workers to stop, waits for them and puts their models back in the queue.
+    void stop();
+
+private:
+    class Attempt;
+
+    void run_slot();
+    void run_attempt(const ModelRecord& model);
+    bool is_stopping() const;
+
+    Catalog& catalog_;
+    ModelEvents& events_;
+    WorkerCommand command_;
+    SchedulerOptions options_;
+    LogLine log_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable woken_;
+    bool stopping_ = false;
+    std::uint64_t n_wakes_ = 0;
+    std::map<std::string, pid_t> running_;  ///< worker of each running model
+    std::vector<std::jthread> slots_;
+};
+
+}  // namespace anyrate
