@@ -16,8 +16,9 @@ enum class MeshFormat { ply, obj, glb };
 /// @throws InputError for any extension but .ply, .obj, .glb
 MeshFormat mesh_format(const std::filesystem::path& file);
 
-/// A mesh as the bytes of a file: binary little-endian PLY (float positions, uchar colours), OBJ, or GLB 2.0
-/// (positions, normals, colours). The same mesh always gives the same bytes.
+/// A mesh as the bytes of a file: binary little-endian PLY (positions float, or double where floats would lose more
+/// than a millionth of the diagonal; uchar colours), OBJ, or GLB 2.0 (positions, normals, colours). The same mesh
+/// always gives the same bytes.
 std::vector<std::byte> encode_mesh_file(const Mesh& mesh, MeshFormat format);
 
 /// Reads PLY (ascii or binary, polygons are fanned) or OBJ. `name` is for messages.
