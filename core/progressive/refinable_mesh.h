@@ -9,6 +9,9 @@
 
 #include "core/mesh/mesh.h"
 #include "core/progressive/grid.h"
+#include "core/progressive/halfedge_connectivity.h"
+#include "core/progressive/lattice_arithmetic.h"
+#include "core/progressive/state_hash.h"
 
 namespace anyrate {
 
@@ -34,11 +37,11 @@ struct RefinementRules {
 
 /// Where the operation stands when it needs the scalar of one vertex.
 struct ScalarSite {
-    int slot = 0;         ///< 0..2 new vertices, 3..5 corners, 6..8 apexes
+    int slot = 0;  ///< 0..2 new vertices, 3..5 corners, 6..8 apexes
     std::int32_t vertex = 0;
-    Vec3 position;        ///< grid units, after the implied smoothing
-    Vec3 normal;          ///< unit
-    double step = 1.0;    ///< grid units
+    Vec3 position;      ///< grid units, after the implied smoothing
+    Vec3 normal;        ///< unit
+    double step = 1.0;  ///< grid units
 };
 
 /// A closed manifold triangle mesh on integer positions that only grows, by splits; vertex and face numbers never die.
@@ -61,16 +64,41 @@ public:
     std::optional<std::array<std::int32_t, 6>> split_site(std::int32_t face) const;
 
     /// Encoder: splits `face`, asking `choose` for each of the nine scalars in the order of the operation.
-    /// The split_site() of the face must exist. @return the record that apply() replays to the same state
+    /// The split_site() of the face must exist. A scalar that would take its vertex off the grid is reduced towards
+    /// zero until it does not. @return the record that apply() replays to the same state
+    /// @throws InputError if the face cannot be split; what `choose` throws: the mesh is then as before
     SplitRecord split(std::int32_t face, const std::function<std::int32_t(const ScalarSite&)>& choose);
-    /// Decoder: replays one record. @throws DecodeError if the face cannot be split or a vertex would leave the grid
+    /// Decoder: replays one record. @throws DecodeError if the face cannot be split or a vertex would leave the grid:
+    /// the mesh is then as before
     void apply(const SplitRecord& record);
 
-    /// Rolling hash over every vertex write and flip since the base.
+    /// Rolling hash over the base and every split, vertex write and flip since (FORMAT.md, "State hash").
     std::uint32_t state_hash() const;
 
     /// The mesh in world units, without colours.
     Mesh to_mesh() const;
+
+private:
+    struct Ring;
+    template <class ChooseScalar>
+    void refine(std::int32_t face, const std::array<std::int32_t, 6>& site, ChooseScalar&& choose);
+    void predict(std::int32_t face);
+    void flip_around(std::int32_t vertex);
+    bool wants_flip(std::int32_t halfedge) const;
+    Ring ring(std::int32_t vertex) const;
+    void smooth(std::int32_t vertex, double weight);
+    GridPoint moved(std::int32_t vertex, std::int32_t scalar, std::int32_t step, const LatticeVector& normal) const;
+    bool on_grid(const GridPoint& p) const;
+    GridPoint clamped_to_grid(const LatticeVector& p) const;
+    void write(std::int32_t vertex, const GridPoint& p);
+    LatticeVector at(std::int32_t vertex) const { return lattice_vector(positions_[static_cast<std::size_t>(vertex)]); }
+
+    Grid grid_;
+    RefinementRules rules_;
+    HalfedgeConnectivity connectivity_;
+    std::vector<GridPoint> positions_;
+    UndoJournal moves_;
+    RollingHash hash_;
 };
 
 }  // namespace anyrate
