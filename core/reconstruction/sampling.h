@@ -1,0 +1,29 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+
+namespace anyrate {
+
+/// A sample of a triangle: p = b[0] v1 + b[1] v2 + b[2] v3, and what it counts in Eq. 8.
+struct LatticeSample {
+    double b[3];
+    double weight;  ///< omega: 1 inside, 1/2 on an edge; at a corner 0 here, it is 1/valence there
+    int corner;     ///< 0, 1, 2 if the sample is that corner, else -1
+};
+
+/// The regular lattice of Nghiem et al., Eq. 6: p = v1 (1 - m) + v2 m (1 - n) + v3 m n with m = i/M and n = j/i, so row
+/// i of M has i + 1 samples, (M + 1)(M + 2) / 2 in all.
+/// @param M steps per edge, 1 .. max_lattice_steps
+std::span<const LatticeSample> lattice(int M);
+inline constexpr int max_lattice_steps = 64;
+
+/// Steps per edge from the triangle's projected areas, Nghiem et al., Eq. 7: M = max(1, sqrt(2 f)), f = C mean A_i, so
+/// that a triangle gets about C samples per image pixel that shows it. Rounded to the nearest integer, at most
+/// max_lattice_steps.
+/// @param mean_area_px mean of A_i over the views that see the triangle, pixels; 0 where none does
+/// @param C samples per pixel
+int lattice_steps(double mean_area_px, double C);
+
+}  // namespace anyrate

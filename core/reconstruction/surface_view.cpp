@@ -1,0 +1,66 @@
+#include "core/reconstruction/surface_view.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "core/parallel.h"
+
+namespace anyrate {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+OneRings::OneRings(const SurfaceView& surface) {
+    const std::size_t n = surface.vertices.size();
+    face_begin_.assign(n + 1, 0);
+    for (const Triangle& t : surface.triangles)
+        for (std::int32_t v : t) ++face_begin_[at(v) + 1];
+    for (std::size_t v = 0; v < n; ++v) face_begin_[v + 1] += face_begin_[v];
+    faces_.resize(3 * surface.triangles.size());
+    std::vector<std::int32_t> fill(face_begin_.begin(), face_begin_.end() - 1);
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f)
+        for (std::int32_t v : surface.triangles[f]) faces_[at(fill[at(v)]++)] = static_cast<std::int32_t>(f);
+
+    neighbour_begin_.assign(n + 1, 0);
+    neighbours_.reserve(faces_.size());
+    std::vector<std::int32_t> ring;
+    for (std::size_t v = 0; v < n; ++v) {
+        ring.clear();
+        for (std::int32_t f : faces(static_cast<std::int32_t>(v)))
+            for (std::int32_t w : surface.triangles[at(f)])
+                if (at(w) != v) ring.push_back(w);
+        std::sort(ring.begin(), ring.end());
+        ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+        neighbours_.insert(neighbours_.end(), ring.begin(), ring.end());
+        neighbour_begin_[v + 1] = static_cast<std::int32_t>(neighbours_.size());
+    }
+}
+
+std::vector<Vec3> vertex_normals(const SurfaceView& surface, const OneRings& rings) {
+    std::vector<Vec3> normals(surface.vertices.size());
+    parallel_for(normals.size(), [&](std::size_t v) {
+        Vec3 sum = Vec3::Zero();
+        for (std::int32_t f : rings.faces(static_cast<std::int32_t>(v))) {
+            const Triangle& t = surface.triangles[at(f)];
+            const Vec3& a = surface.vertices[at(t[0])];
+            sum += (surface.vertices[at(t[1])] - a).cross(surface.vertices[at(t[2])] - a);
+        }
+        const double length = sum.norm();
+        normals[v] = length > 0 ? Vec3(sum / length) : Vec3::Zero();
+    });
+    return normals;
+}
+
+std::vector<double> mean_edge_lengths(const SurfaceView& surface, const OneRings& rings) {
+    std::vector<double> lengths(surface.vertices.size(), 0.0);
+    parallel_for(lengths.size(), [&](std::size_t v) {
+        const auto ring = rings.neighbours(static_cast<std::int32_t>(v));
+        for (std::int32_t w : ring) lengths[v] += (surface.vertices[at(w)] - surface.vertices[v]).norm();
+        if (!ring.empty()) lengths[v] /= static_cast<double>(ring.size());
+    });
+    return lengths;
+}
+
+}  // namespace anyrate

@@ -1,0 +1,59 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/capture/image.h"
+#include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/surface_view.h"
+
+namespace anyrate {
+
+struct VisibilityOptions {
+    double min_cos = 0.2;       ///< views flatter than this to the face do not count: their footprint is a smear
+    double tolerance_px = 2.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
+};
+
+/// One view that sees a face.
+struct FaceView {
+    std::int32_t view = 0;
+    bool whole = false;  ///< no part of the face is hidden; otherwise each sample has to ask is_visible()
+};
+
+/// Which views see which part of a surface, by z-buffer (Nghiem et al., step 2). Depths are in world units and all
+/// tolerances relative to the pixel, so that the scale of the world does not matter.
+class Visibility {
+public:
+    Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options = {});
+
+    /// The views that see a face, ascending.
+    std::span<const FaceView> views(std::int32_t face) const {
+        const auto f = static_cast<std::size_t>(face);
+        return {face_views_.data() + begin_[f], begin_[f + 1] - begin_[f]};
+    }
+    /// Mean of the face's projected area A_i over the views that see it, pixels of level 0 (Nghiem et al., Eq. 7).
+    double mean_area_px(std::int32_t face) const { return mean_area_px_[static_cast<std::size_t>(face)]; }
+    /// World size of a pixel at the face, from the nearest view (seen or not).
+    double pixel_size(std::int32_t face) const { return pixel_size_[static_cast<std::size_t>(face)]; }
+    /// Whether a point of the face, at homogeneous level-0 pixel `x` (= P [p; 1]), is in front of everything else.
+    bool is_visible(std::int32_t face, std::int32_t view, const Vec3& x) const;
+
+private:
+    struct FaceSight;
+    std::vector<FaceSight> look(const SurfaceView& surface, std::int32_t face, double& mean_area_px) const;
+
+    const PhotoImages* images_;
+    VisibilityOptions options_;
+    int level_ = 0;                    ///< of the pyramid, at which depth is rendered
+    std::vector<Image<float>> depth_;  ///< per view; infinity where there is no surface
+    std::vector<float> slope_;         ///< per face: depth tolerance as a part of depth, the largest over its views
+    std::vector<std::size_t> begin_;
+    std::vector<FaceView> face_views_;
+    std::vector<double> mean_area_px_, pixel_size_;
+};
+
+/// Depth of the nearest surface at every pixel of `level`, world units along the optical axis; infinity where there is
+/// none.
+Image<float> render_depth(const PhotoLevel& level, const SurfaceView& surface);
+
+}  // namespace anyrate
