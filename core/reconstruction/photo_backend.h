@@ -1,0 +1,58 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/reconstruction/distortion.h"
+#include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/surface_view.h"
+
+namespace anyrate {
+
+/// One triangle whose distortion is asked for: a face of the current surface with its corners where they are to be
+/// tried. Which views see it, how densely it is sampled and what its corners' valences are comes from the face.
+struct TriangleQuery {
+    std::int32_t face = 0;
+    std::array<Vec3, 3> corners;
+};
+
+/// A triangle's distortion as a function of three scalars u: corner a stands at corners[a] + u[a] directions[a].
+struct TriangleTerms {
+    TriangleDistortion distortion;
+    std::array<double, 3> gradient{};  ///< d phi / d u
+    std::array<double, 6> hessian{};   ///< Gauss-Newton part of d2 phi / du2: 00, 11, 22, 01, 12, 20
+    /// The same for a fourth, fifth and sixth scalar, which would move the middles of the edges 01, 12, 20 as a split
+    /// does: what a split here could gain.
+    std::array<double, 3> middle_gradient{}, middle_hessian{};
+};
+
+/// The seam to the GPU is the algorithm: a batch of triangles in, their distortions out. Implementations hold the
+/// images and the visibility of the current surface; every result is in the order of the batch and the same for any
+/// number of threads. One contract suite runs on all of them (tests/contract/photo_backend_contract.h).
+class PhotoBackend {
+public:
+    virtual ~PhotoBackend() = default;
+
+    /// Makes `surface` the current one: renders its visibility at once and copies what later calls need of it.
+    /// @param level           pyramid level of the samples, 0 the photographs
+    /// @param samples_per_px  the constant C of Nghiem et al., Eq. 7, per pixel of that level
+    virtual void set_surface(const SurfaceView& surface, int level, double samples_per_px) = 0;
+
+    /// phi and samples (Eqs. 5-8) of each triangle of the batch.
+    virtual std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) = 0;
+
+    /// The same with derivatives along `directions` (unit vectors, one per corner: the vertex normals).
+    virtual std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
+                                             std::span<const std::array<Vec3, 3>> directions) = 0;
+
+    /// World size of a pixel of the current level at a face of the current surface.
+    virtual double pixel_size(std::int32_t face) const = 0;
+
+    virtual int n_levels() const = 0;
+};
+
+/// The reference implementation, on oneTBB. `images` must outlive it.
+std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images);
+
+}  // namespace anyrate
