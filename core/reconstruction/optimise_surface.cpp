@@ -1,0 +1,174 @@
+#include "core/reconstruction/optimise_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/reconstruction/tangential.h"
+
+namespace anyrate {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+constexpr double first_damping = 1e-2;
+constexpr double max_damping = 1e3;
+constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
+constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
+
+/// What the vertices, their one-rings and the batch of faces are while one round lasts.
+class Round {
+public:
+    Round(PhotoBackend& backend, const Silhouettes& silhouettes, std::vector<Vec3>& vertices,
+          std::span<const Triangle> triangles, const OneRings& rings, std::span<const std::int32_t> active,
+          std::span<const std::int32_t> faces, const OptimiseOptions& options)
+        : backend_(backend),
+          silhouettes_(silhouettes),
+          vertices_(vertices),
+          triangles_(triangles),
+          rings_(rings),
+          active_(active),
+          faces_(faces),
+          options_(options) {
+        const SurfaceView surface(vertices_, triangles_);
+        backend_.set_surface(surface, options.level, options.samples_per_px);
+        const std::vector<double> edges = mean_edge_lengths(surface, rings_);
+        for (std::int32_t v : active_) {
+            double pixel = 0;
+            for (std::int32_t f : rings_.faces(v)) pixel += backend_.pixel_size(f);
+            pixel /= static_cast<double>(rings_.faces(v).size());
+            step_limits_.push_back(std::min(options.max_step_px * pixel, max_step_edges * edges[at(v)]));
+            contour_px_.push_back(edges[at(v)] / pixel);
+        }
+        look();
+        energy_ = evaluate(first_samples_ = 0);
+    }
+
+    double energy() const { return energy_; }
+
+    /// One damped Gauss-Newton step. @return whether the energy fell; if not, nothing has moved
+    bool step(double& damping) {
+        const SurfaceView surface(vertices_, triangles_);
+        const NormalDisplacement quadratic(surface, rings_, normals_, active_, faces_, terms_, silhouette_terms_,
+                                           contour_px_, options_.weights);
+        bending_weight_ = quadratic.bending_weight();
+        const double before = evaluate(first_samples_);
+        const std::vector<Vec3> start(vertices_);
+        const std::vector<Vec3> start_normals(normals_);
+        for (; damping <= max_damping; damping *= 8) {
+            const std::vector<double> u = quadratic.solve(damping);
+            for (std::size_t i = 0; i < active_.size(); ++i) {
+                const std::size_t v = at(active_[i]);
+                vertices_[v] = start[v] + std::clamp(u[i], -step_limits_[i], step_limits_[i]) * start_normals[v];
+            }
+            look();
+            energy_ = evaluate(first_samples_);
+            if (energy_ < before) {
+                damping = std::max(damping / 4, 1e-4);
+                return energy_ < before * (1 - converged);
+            }
+        }
+        vertices_ = start;
+        look();
+        energy_ = evaluate(first_samples_);
+        return false;
+    }
+
+private:
+    /// Terms of all faces and vertices at the current positions.
+    void look() {
+        const SurfaceView surface(vertices_, triangles_);
+        normals_ = vertex_normals(surface, rings_);
+        queries_.resize(faces_.size());
+        directions_.resize(faces_.size());
+        for (std::size_t i = 0; i < faces_.size(); ++i) {
+            const Triangle& t = triangles_[at(faces_[i])];
+            queries_[i].face = faces_[i];
+            for (std::size_t k = 0; k < 3; ++k) {
+                queries_[i].corners[k] = vertices_[at(t[k])];
+                directions_[i][k] = normals_[at(t[k])];
+            }
+        }
+        terms_ = backend_.terms(queries_, directions_);
+        silhouette_terms_ = silhouettes_.terms(surface, rings_, normals_, active_, options_.silhouette_reach_px);
+    }
+
+    /// The energy of what look() saw. Samples come and go at the silhouettes, so phi counts as its mean per sample
+    /// times the number of samples at the round's start.
+    double evaluate(double& first_samples) {
+        double phi = 0, n_samples = 0;
+        for (const TriangleTerms& t : terms_) {
+            phi += t.distortion.phi;
+            n_samples += t.distortion.n_samples;
+        }
+        if (first_samples == 0) first_samples = n_samples;
+        double energy = n_samples > 0 ? phi / n_samples * first_samples : 0.0;
+        for (std::size_t i = 0; i < active_.size(); ++i)
+            energy += options_.weights.silhouette * contour_px_[i] * silhouette_terms_[i].energy;
+        return energy + bending_weight_ * bending_energy({vertices_, triangles_}, rings_, normals_, active_);
+    }
+
+    PhotoBackend& backend_;
+    const Silhouettes& silhouettes_;
+    std::vector<Vec3>& vertices_;
+    std::span<const Triangle> triangles_;
+    const OneRings& rings_;
+    std::span<const std::int32_t> active_, faces_;
+    const OptimiseOptions& options_;
+    std::vector<double> step_limits_, contour_px_;
+    std::vector<Vec3> normals_;
+    std::vector<TriangleQuery> queries_;
+    std::vector<std::array<Vec3, 3>> directions_;
+    std::vector<TriangleTerms> terms_;
+    std::vector<SilhouetteTerm> silhouette_terms_;
+    double bending_weight_ = 0, first_samples_ = 0, energy_ = 0;
+};
+
+void slide(std::vector<Vec3>& vertices, std::span<const Triangle> triangles, const OneRings& rings,
+           std::span<const std::int32_t> active, double part) {
+    const SurfaceView surface(vertices, triangles);
+    const std::vector<Vec3> normals = vertex_normals(surface, rings);
+    std::vector<Vec3> moved(vertices);
+    for (std::int32_t v : active) moved[at(v)] += part * tangential_laplacian(surface, rings, normals[at(v)], v);
+    vertices = std::move(moved);
+}
+
+std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active) {
+    std::vector<std::int32_t> faces;
+    for (std::int32_t v : active) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+}
+
+}  // namespace
+
+bool optimise_surface(PhotoBackend& backend, const Silhouettes& silhouettes, std::vector<Vec3>& vertices,
+                      std::span<const Triangle> triangles, std::span<const std::int32_t> active,
+                      const OptimiseOptions& options, const std::stop_token& stop) {
+    const OneRings rings({vertices, triangles});
+    std::vector<std::int32_t> all;
+    if (active.empty()) {
+        all.resize(vertices.size());
+        std::iota(all.begin(), all.end(), 0);
+        active = all;
+    }
+    const std::vector<std::int32_t> faces = faces_around(rings, active);
+    bool moved = false;
+    double damping = first_damping;
+    for (int r = 0; r < options.rounds && !stop.stop_requested(); ++r) {
+        Round round(backend, silhouettes, vertices, triangles, rings, active, faces, options);
+        bool falls = false;
+        for (int s = 0; s < options.steps_per_round; ++s) {
+            if (!round.step(damping)) break;
+            falls = true;
+        }
+        moved = moved || falls;
+        if (!falls) break;
+        if (options.tangential > 0) slide(vertices, triangles, rings, active, options.tangential);
+        damping = std::min(damping, 1.0);
+    }
+    return moved;
+}
+
+}  // namespace anyrate

@@ -1,0 +1,148 @@
+#include "core/reconstruction/silhouette_term.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace anyrate {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+constexpr double eighths = 8.0;
+
+/// Lower envelope of the parabolas (x - i)^2 + f[i]: the exact one-dimensional squared distance transform.
+/// Source: Felzenszwalb and Huttenlocher 2012, "Distance Transforms of Sampled Functions".
+void distance_transform_1d(std::span<const float> f, std::span<float> out, std::vector<int>& apex,
+                           std::vector<float>& from) {
+    const int n = static_cast<int>(f.size());
+    apex.assign(f.size(), 0);
+    from.assign(f.size() + 1, 0.0F);
+    int k = 0;
+    from[0] = -std::numeric_limits<float>::infinity();
+    from[1] = std::numeric_limits<float>::infinity();
+    const auto meet = [&](int q, int p) {
+        const auto dq = static_cast<float>(q), dp = static_cast<float>(p);
+        return ((f[at(q)] + dq * dq) - (f[at(p)] + dp * dp)) / (2 * dq - 2 * dp);
+    };
+    for (int q = 1; q < n; ++q) {
+        float s = meet(q, apex[at(k)]);
+        while (s <= from[at(k)]) s = meet(q, apex[at(--k)]);
+        ++k;
+        apex[at(k)] = q;
+        from[at(k)] = s;
+        from[at(k) + 1] = std::numeric_limits<float>::infinity();
+    }
+    k = 0;
+    for (int q = 0; q < n; ++q) {
+        while (from[at(k) + 1] < static_cast<float>(q)) ++k;
+        const auto d = static_cast<float>(q - apex[at(k)]);
+        out[at(q)] = d * d + f[at(apex[at(k)])];
+    }
+}
+
+/// Squared distance in pixels from every pixel to the nearest one for which `is_target` holds.
+template <class Predicate>
+std::vector<float> squared_distance(int width, int height, const Predicate& is_target) {
+    constexpr float far = 1e12F;
+    std::vector<float> d(at(width) * at(height)), line, out;
+    std::vector<int> apex;
+    std::vector<float> from;
+    line.resize(at(height));
+    out.resize(at(height));
+    for (int x = 0; x < width; ++x) {
+        for (int y = 0; y < height; ++y) line[at(y)] = is_target(x, y) ? 0.0F : far;
+        distance_transform_1d(line, out, apex, from);
+        for (int y = 0; y < height; ++y) d[at(y) * at(width) + at(x)] = out[at(y)];
+    }
+    line.resize(at(width));
+    out.resize(at(width));
+    for (int y = 0; y < height; ++y) {
+        float* row = d.data() + at(y) * at(width);
+        std::copy(row, row + width, line.begin());
+        distance_transform_1d(line, out, apex, from);
+        std::copy(out.begin(), out.end(), row);
+    }
+    return d;
+}
+
+bool is_front(const SurfaceView& surface, std::int32_t face, const Vec3& centre) {
+    const Triangle& t = surface.triangles[at(face)];
+    const Vec3& a = surface.vertices[at(t[0])];
+    return (surface.vertices[at(t[1])] - a).cross(surface.vertices[at(t[2])] - a).dot(centre - a) > 0;
+}
+
+bool is_on_rim(const SurfaceView& surface, std::span<const std::int32_t> ring, const Vec3& centre) {
+    bool front = false, back = false;
+    for (std::int32_t f : ring) (is_front(surface, f, centre) ? front : back) = true;
+    return front && back;
+}
+
+}  // namespace
+
+Image<std::int8_t> silhouette_distance(const MaskImage& mask) {
+    const auto to_inside = squared_distance(mask.width, mask.height, [&](int x, int y) { return mask(x, y) != 0; });
+    const auto to_outside = squared_distance(mask.width, mask.height, [&](int x, int y) { return mask(x, y) == 0; });
+    Image<std::int8_t> distance(mask.width, mask.height);
+    for (std::size_t i = 0; i < distance.pixels.size(); ++i) {
+        // From a pixel's centre to the border is half a pixel less than to the nearest centre beyond it.
+        const double d = to_outside[i] > 0 ? std::sqrt(to_outside[i]) - 0.5 : 0.5 - std::sqrt(to_inside[i]);
+        distance.pixels[i] = static_cast<std::int8_t>(std::clamp(std::lround(eighths * d), -127L, 127L));
+    }
+    return distance;
+}
+
+Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) {
+    parallel_for(
+        views_.size(),
+        [&](std::size_t i) {
+            const auto& view = capture.views[i];
+            views_[i] = {view.camera.P(), view.camera.centre(), silhouette_distance(view.mask)};
+        },
+        1);
+}
+
+SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, bool on_rim,
+                                    double reach_px) {
+    SilhouetteTerm term;
+    const Vec3 x = view.P * point.homogeneous();
+    if (x.z() <= 0) return term;
+    const double u = x.x() / x.z(), v = x.y() / x.z();
+    const Image<std::int8_t>& image = view.distance;
+    if (!(u >= 0 && v >= 0 && u < image.width - 1 && v < image.height - 1)) return term;
+    const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
+    const double fu = u - x0, fv = v - y0;
+    const double a = image(x0, y0), b = image(x0 + 1, y0), c = image(x0, y0 + 1), d = image(x0 + 1, y0 + 1);
+    const double distance = ((1 - fv) * (a + fu * (b - a)) + fv * (c + fu * (d - c))) / eighths;
+    const bool outside = distance < 0;
+    if (!outside && !(on_rim && distance < reach_px)) return term;
+    const double dx = ((1 - fv) * (b - a) + fv * (d - c)) / eighths, dy = ((1 - fu) * (c - a) + fu * (d - b)) / eighths;
+    const Vec3 q = view.P.leftCols<3>() * normal;
+    const double slope = (dx * (q.x() - u * q.z()) + dy * (q.y() - v * q.z())) / x.z();
+    term.energy = distance * distance;
+    term.gradient = 2 * distance * slope;
+    term.hessian = 2 * slope * slope;
+    return term;
+}
+
+std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const OneRings& rings,
+                                               std::span<const Vec3> normals, std::span<const std::int32_t> vertices,
+                                               double reach_px) const {
+    std::vector<SilhouetteTerm> result(vertices.size());
+    parallel_for(vertices.size(), [&](std::size_t i) {
+        const std::int32_t v = vertices[i];
+        for (const View& view : views_) {
+            const bool on_rim = is_on_rim(surface, rings.faces(v), view.centre);
+            const SilhouetteTerm term = term_in(view, surface.vertices[at(v)], normals[at(v)], on_rim, reach_px);
+            result[i].energy += term.energy;
+            result[i].gradient += term.gradient;
+            result[i].hessian += term.hessian;
+        }
+    });
+    return result;
+}
+
+}  // namespace anyrate
