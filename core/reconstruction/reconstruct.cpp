@@ -1,0 +1,158 @@
+#include "core/reconstruction/reconstruct.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/mesh/remesh.h"
+#include "core/reconstruction/flow.h"
+#include "core/reconstruction/initial_mesh.h"
+#include "core/reconstruction/optimise_surface.h"
+#include "core/reconstruction/refine.h"
+#include "core/reconstruction/vertex_colours.h"
+
+namespace anyrate {
+namespace {
+
+constexpr int coarsest_level = 3;     ///< of the pyramid, where the coarse mesh starts to move
+constexpr double grid_margin = 0.04;  ///< of the largest extent, kept free on each side for vertices that move outward
+constexpr int smallest_count = 100, largest_count = 1'000'000;
+
+void check(const ReconstructOptions& options) {
+    const auto require = [](bool holds, const std::string& sentence) {
+        if (!holds) throw InputError(sentence);
+    };
+    require(options.n_coarse >= smallest_count, "coarse: expected at least " + std::to_string(smallest_count) +
+                                                    " vertices, got " + std::to_string(options.n_coarse));
+    require(options.n_vertices >= options.n_coarse && options.n_vertices <= largest_count,
+            "vertices: expected a number from the coarse count (" + std::to_string(options.n_coarse) + ") to " +
+                std::to_string(largest_count) + ", got " + std::to_string(options.n_vertices));
+}
+
+/// The grid that holds a surface with room to move.
+Grid make_grid(const Mesh& mesh, int n_vertices) {
+    Vec3 lower = mesh.vertices.front(), upper = lower;
+    for (const Vec3& v : mesh.vertices) {
+        lower = lower.cwiseMin(v);
+        upper = upper.cwiseMax(v);
+    }
+    const double extent = (upper - lower).maxCoeff();
+    Grid grid;
+    grid.bits = n_vertices > 50'000 ? 16 : 14;
+    grid.base_shift = grid.bits - 12;
+    grid.unit = extent * (1 + 2 * grid_margin) / (std::ldexp(1.0, grid.bits) - 1);
+    grid.origin = lower - Vec3::Constant(grid_margin * extent);
+    return grid;
+}
+
+BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
+    BaseMesh base;
+    base.triangles = mesh.triangles;
+    base.positions.reserve(mesh.vertices.size());
+    const double cell = std::ldexp(1.0, grid.base_shift);
+    const auto largest = static_cast<std::int32_t>((1 << (grid.bits - grid.base_shift)) - 1);
+    for (const Vec3& v : mesh.vertices) {
+        const Vec3 p = (v - grid.origin) / (grid.unit * cell);
+        const auto snap = [&](double x) {
+            return std::clamp(static_cast<std::int32_t>(std::lround(x)), 0, largest) << grid.base_shift;
+        };
+        base.positions.push_back({snap(p.x()), snap(p.y()), snap(p.z())});
+    }
+    return base;
+}
+
+/// Step 2 from the coarsest image level to the photographs themselves.
+void optimise_coarse_to_fine(PhotoBackend& backend, const Silhouettes& silhouettes, Mesh& mesh,
+                             const std::function<void(double)>& progress, const std::stop_token& stop) {
+    const int first = std::min(coarsest_level, backend.n_levels() - 1);
+    for (int level = first; level >= 0; --level) {
+        OptimiseOptions options;
+        options.level = level;
+        options.rounds = level == 0 ? 5 : 4;
+        options.silhouette_reach_px = 3.0 * std::ldexp(1.0, level > 1 ? 1 : 0);
+        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, options, stop);
+        progress(1.0 - static_cast<double>(level) / (first + 1));
+    }
+}
+
+}  // namespace
+
+const char* stage_name(Stage stage) {
+    switch (stage) {
+        case Stage::hull:
+            return "hull";
+        case Stage::poisson:
+            return "poisson";
+        case Stage::remesh:
+            return "remesh";
+        case Stage::optimise:
+            return "optimise";
+        case Stage::refine:
+            return "refine";
+    }
+    return "";
+}
+
+ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& options, ModelSink& sink,
+                              const ProgressFn& progress, std::stop_token stop) {
+    check(options);
+    const auto tell = [&](const Progress& p) {
+        if (progress) progress(p);
+    };
+
+    // Step 1: hull, Poisson, remesh.
+    const Mesh fine = initial_surface(capture, tell);
+    const bool fixed_rate = options.method == Method::flow;
+    const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
+    tell({Stage::remesh, 0, 0, 0});
+    Mesh mesh = remesh_isotropic(fine, {.n_vertices = n_base});
+
+    // Step 2: mesh optimisation at a fixed rate.
+    const PhotoImages images = make_photo_images(capture);
+    const Silhouettes silhouettes(capture);
+    const auto backend = make_cpu_backend(images);
+    tell({Stage::optimise, 0, mesh.n_vertices(), 0});
+    if (fixed_rate) {
+        const FlowOptions flow;
+        surface_flow(
+            *backend, mesh.vertices, mesh.triangles, flow,
+            [&](int i, double psi) {
+                tell({Stage::optimise, static_cast<double>(i) / flow.max_iterations, mesh.n_vertices(), psi});
+            },
+            stop);
+    } else {
+        optimise_coarse_to_fine(
+            *backend, silhouettes, mesh,
+            [&](double part) {
+                tell({Stage::optimise, part, mesh.n_vertices(), 0});
+            },
+            stop);
+    }
+
+    // From here on only the decoded integer state counts.
+    const Grid grid = make_grid(mesh, options.n_vertices);
+    const RefinementRules rules;
+    RefinableMesh state(sink.start(grid, rules, to_base(mesh, grid)), grid, rules);
+    RefineOptions refinement;
+    refinement.n_vertices = options.n_vertices;
+    refinement.by_area = options.method == Method::uniform;
+    sink.base_attributes(vertex_colours(images, state.to_mesh()),
+                         measure_state(*backend, state, refinement.samples_per_px).point);
+
+    // Step 3: progressive refinement.
+    ReconstructResult result;
+    if (fixed_rate) refinement.n_vertices = state.n_vertices();
+    result.curve = refine(
+        state, *backend, silhouettes, images, refinement, sink,
+        [&](const CurvePoint& point) {
+            const double part = static_cast<double>(point.n_vertices - options.n_coarse) /
+                                std::max(1, options.n_vertices - options.n_coarse);
+            tell({Stage::refine, part, point.n_vertices, point.psi});
+        },
+        stop);
+    sink.finish();
+    result.stopped = stop.stop_requested();
+    return result;
+}
+
+}  // namespace anyrate

@@ -1,0 +1,38 @@
+#pragma once
+#include <functional>
+#include <stop_token>
+
+#include "core/progressive/model_sink.h"
+#include "core/reconstruction/photo_backend.h"
+#include "core/reconstruction/reconstruct.h"
+#include "core/reconstruction/silhouette_term.h"
+
+namespace anyrate {
+
+struct RefineOptions {
+    int n_vertices = 10'000;
+    double growth = 0.12;        ///< vertices a batch adds, in parts of what is there (stream study: the knee)
+    double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
+    double dead_zone = 0.75;     ///< updates of old vertices below this many steps are not sent
+    bool by_area = false;        ///< split the largest faces instead of the most promising (`--method uniform`)
+    double samples_per_px = 1.0;
+};
+
+/// Distortion of the decoded state as it stands, over the whole surface at the photographs' own resolution.
+struct StateDistortion {
+    DistortionPoint point;
+    std::vector<TriangleTerms> terms;  ///< one per face
+};
+StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+
+/// Step 3 of the method: until the rate is met, splits the faces where a split is expected to lower the distortion
+/// most, optimises the three new and six old vertices of every split of the batch together, and writes what the decoder
+/// will see. The state is always the decoded one (closed loop). Differs from the paper, which takes one triangle of
+/// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
+/// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
+/// @return the curve, the state's own point first
+std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const Silhouettes& silhouettes,
+                               const PhotoImages& images, const RefineOptions& options, ModelSink& sink,
+                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop);
+
+}  // namespace anyrate
