@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/types.h"

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace anyrate {
+
+/// Throws the InputError of a single fault that leaves nothing to go on with; see Faults::add().
+[[noreturn]] void throw_fault(const std::string& file, const std::string& sentence);
+
+/// Gathers what is wrong with a capture, so that its owner learns of every fault at once.
+class Faults {
+public:
+    /// Adds a sentence about `file`, a name inside the capture: what was found and what was expected.
+    /// Neither needs to be trusted: what is not printable becomes '?', and the line is cut to a sane length.
+    void add(const std::string& file, const std::string& sentence);
+    void append(const Faults& others);
+
+    bool empty() const { return lines_.empty(); }
+
+    /// @throws InputError with one fault a line, if there is one; of very many, the first hundred and a count of the
+    /// rest
+    void throw_if_any() const;
+
+private:
+    std::vector<std::string> lines_;
+};
+
+}  // namespace anyrate

@@ -1,0 +1,145 @@
+#include "core/capture/zip_archive.h"
+
+#include <archive.h>
+#include <archive_entry.h>
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "core/capture/faults.h"
+#include "core/capture/relative_name.h"
+#include "core/error.h"
+
+namespace anyrate {
+namespace {
+
+struct CloseArchive {
+    void operator()(archive* a) const { archive_read_free(a); }
+};
+using ArchivePtr = std::unique_ptr<archive, CloseArchive>;
+
+/// A small capture's text may pack far better than any ratio worth setting; below this size the ratio says nothing.
+constexpr std::int64_t ratio_free_bytes = 16 << 20;
+
+std::string reason(archive* a) {
+    const char* text = archive_error_string(a);
+    return text ? text : "damaged";
+}
+
+/// A reader of zip files by their central directory, which is what every other program goes by: a local header that
+/// tells another story is not followed.
+ArchivePtr new_zip_reader() {
+    ArchivePtr reader(archive_read_new());
+    if (!reader || archive_read_support_format_zip_seekable(reader.get()) != ARCHIVE_OK)
+        throw IoError("libarchive cannot read zip files here");
+    return reader;
+}
+
+class Unpacker {
+public:
+    Unpacker(archive* reader, std::string name, std::int64_t n_packed_bytes, const ZipLimits& limits)
+        : reader_(reader), name_(std::move(name)), n_packed_bytes_(n_packed_bytes), limits_(limits) {}
+
+    ZipContents unpack() {
+        ZipContents contents;
+        std::int64_t n_entries = 0;
+        while (archive_entry* entry = next_entry()) {
+            if (++n_entries > limits_.max_files)
+                throw_fault(name_,
+                            "more than " + std::to_string(limits_.max_files) + " entries, the most a capture may have");
+            const std::string file = checked_name(entry);
+            if (archive_entry_filetype(entry) == AE_IFDIR) continue;
+            check_kind(entry, file);
+            if (contents.contains(file)) throw_fault(name_, "holds " + file + " twice; expected every file once");
+            contents.emplace(file, read_data(file));
+        }
+        return contents;
+    }
+
+private:
+    archive_entry* next_entry() {
+        archive_entry* entry = nullptr;
+        const int status = archive_read_next_header(reader_, &entry);
+        if (status == ARCHIVE_EOF) return nullptr;
+        // A warning is about a name that this machine's locale cannot show: no matter.
+        if (status != ARCHIVE_OK && status != ARCHIVE_WARN)
+            throw_fault(name_, "not a readable zip file (" + reason(reader_) + "); expected a complete one");
+        return entry;
+    }
+
+    std::string checked_name(archive_entry* entry) const {
+        const char* raw = archive_entry_pathname_utf8(entry);
+        if (!raw) raw = archive_entry_pathname(entry);
+        if (!raw) throw_fault(name_, "holds a file whose name cannot be read; expected UTF-8 names");
+        const auto name = relative_name(raw);
+        const bool is_folder_itself = std::string_view(raw) == "./" || std::string_view(raw) == ".";
+        if (!name && !is_folder_itself)
+            throw_fault(name_, "holds \"" + std::string(raw) + "\"; expected names that stay inside the capture");
+        return name.value_or(".");
+    }
+
+    void check_kind(archive_entry* entry, const std::string& file) const {
+        if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry) || archive_entry_symlink(entry))
+            throw_fault(name_, "holds " + file + ", a link or a special file; expected plain files and folders only");
+        if (archive_entry_is_encrypted(entry)) throw_fault(name_, file + " is encrypted; expected no password");
+    }
+
+    /// Unpacks the current entry, believing no size but that of what has come out so far.
+    std::vector<std::uint8_t> read_data(const std::string& file) {
+        std::vector<std::uint8_t> data;
+        std::array<std::uint8_t, 1 << 16> block;
+        while (true) {
+            const la_ssize_t n = archive_read_data(reader_, block.data(), block.size());
+            if (n < 0)
+                throw_fault(name_, file + " cannot be unpacked (" + reason(reader_) + "); expected an intact zip file");
+            if (n == 0) return data;
+            n_unpacked_bytes_ += n;
+            check_size();
+            data.insert(data.end(), block.begin(), block.begin() + n);
+        }
+    }
+
+    void check_size() const {
+        if (n_unpacked_bytes_ > limits_.max_bytes)
+            throw_fault(name_, "unpacks to more than " + std::to_string(limits_.max_bytes) +
+                                   " bytes, the most a capture may have");
+        if (n_unpacked_bytes_ > ratio_free_bytes && n_unpacked_bytes_ / limits_.max_ratio > n_packed_bytes_)
+            throw_fault(name_, "unpacks to more than " + std::to_string(limits_.max_ratio) +
+                                   " times its size; expected photographs, which do not pack that well");
+    }
+
+    archive* reader_;
+    std::string name_;
+    std::int64_t n_packed_bytes_;
+    ZipLimits limits_;
+    std::int64_t n_unpacked_bytes_ = 0;
+};
+
+ZipContents unpack(archive* reader, const std::string& name, std::int64_t n_packed_bytes, const ZipLimits& limits) {
+    return Unpacker(reader, name, n_packed_bytes, limits).unpack();
+}
+
+}  // namespace
+
+ZipContents read_zip(const std::filesystem::path& file, const ZipLimits& limits) {
+    std::error_code error;
+    const auto n_bytes = std::filesystem::file_size(file, error);
+    if (error || !std::ifstream(file)) throw IoError(file.string() + ": cannot be opened for reading");
+    const ArchivePtr reader = new_zip_reader();
+    const std::string name = file.filename().string();
+    if (archive_read_open_filename(reader.get(), file.c_str(), 1 << 16) != ARCHIVE_OK)
+        throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
+    return unpack(reader.get(), name, static_cast<std::int64_t>(n_bytes), limits);
+}
+
+ZipContents read_zip(std::span<const std::uint8_t> bytes, const std::string& name, const ZipLimits& limits) {
+    const ArchivePtr reader = new_zip_reader();
+    if (archive_read_open_memory(reader.get(), bytes.data(), bytes.size()) != ARCHIVE_OK)
+        throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
+    return unpack(reader.get(), name, static_cast<std::int64_t>(bytes.size()), limits);
+}
+
+}  // namespace anyrate
