@@ -1,0 +1,25 @@
+#include "server/cli/budget_options.h"
+
+#include <CLI/CLI.hpp>
+#include <limits>
+
+namespace anyrate {
+
+void BudgetOptions::add_to(CLI::App& subcommand) {
+    auto* group = subcommand.add_option_group("budget", "how much of the model; everything by default");
+    group->add_option("--vertices", n_vertices, "at most N vertices, at most 2 fewer")->check(CLI::PositiveNumber);
+    group->add_option("--bytes", n_bytes, "as many whole frames as fit into B bytes of the log")
+        ->check(CLI::PositiveNumber);
+    group->add_option("--distortion", distortion, "as few bytes as reach distortion D (Eq. 10, squared 8-bit units)")
+        ->check(CLI::NonNegativeNumber);
+    group->require_option(0, 1);
+}
+
+Budget BudgetOptions::budget() const {
+    if (n_vertices) return VertexBudget{*n_vertices};
+    if (n_bytes) return ByteBudget{*n_bytes};
+    if (distortion) return DistortionBudget{*distortion};
+    return VertexBudget{std::numeric_limits<std::uint32_t>::max()};
+}
+
+}  // namespace anyrate

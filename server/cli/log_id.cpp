@@ -1,0 +1,50 @@
+#include "server/cli/log_id.h"
+
+#include <cstddef>
+#include <span>
+
+namespace anyrate {
+namespace {
+
+class Fnv1a {
+public:
+    template <class T>
+    void add(std::span<const T> values) {
+        static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
+        for (const std::byte b : std::as_bytes(values)) {
+            hash_ = (hash_ ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
+        }
+    }
+    template <class T>
+    void add_value(const T& value) {
+        add(std::span<const T>(&value, 1));
+    }
+    std::uint64_t value() const { return hash_; }
+
+private:
+    std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+void add_view(Fnv1a& hash, const View& view) {
+    hash.add(std::span<const double>(view.camera.K.data(), 9));
+    hash.add(std::span<const double>(view.camera.R.data(), 9));
+    hash.add(std::span<const double>(view.camera.t.data(), 3));
+    hash.add_value(view.image.width);
+    hash.add_value(view.image.height);
+    hash.add(std::span<const Rgb8>(view.image.pixels));
+    hash.add(std::span<const std::uint8_t>(view.mask.pixels));
+}
+
+}  // namespace
+
+std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options) {
+    Fnv1a hash;
+    for (const View& view : capture.views) add_view(hash, view);
+    hash.add_value(options.n_vertices);
+    hash.add_value(options.n_coarse);
+    hash.add_value(options.seed);
+    hash.add_value(static_cast<int>(options.method));
+    return hash.value();
+}
+
+}  // namespace anyrate

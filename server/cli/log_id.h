@@ -1,0 +1,12 @@
+#pragma once
+#include <cstdint>
+
+#include "core/reconstruction/reconstruct.h"
+
+namespace anyrate {
+
+/// The identity of the log that this capture and these options give: equal inputs have equal ids, so that the same
+/// command gives the same file, and others practically never do. A 64-bit FNV-1a hash of every pixel and camera.
+std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options);
+
+}  // namespace anyrate

@@ -1,0 +1,171 @@
+#include "core/reconstruction/reconstruct.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "core/capture/load_capture.h"
+#include "core/error.h"
+#include "proto/log_reader.h"
+#include "server/cli/commands.h"
+#include "server/cli/interrupt.h"
+#include "server/cli/log_id.h"
+#include "server/cli/metered_sink.h"
+#include "server/cli/progress_bar.h"
+#include "server/cli/read_log.h"
+#include "server/cli/report.h"
+#include "server/cli/thread_limit.h"
+#include "server/store/file.h"
+#include "server/store/live_log_file.h"
+
+namespace anyrate {
+namespace {
+
+enum class Backend { automatic, cpu, gpu };
+
+const std::map<std::string, Method> methods = {
+    {"refine", Method::refine}, {"flow", Method::flow}, {"uniform", Method::uniform}};
+const std::map<std::string, Backend> backends = {
+    {"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"gpu", Backend::gpu}};
+
+struct ReconstructCommand {
+    std::filesystem::path capture, model;
+    std::optional<std::filesystem::path> report;
+    LoadOptions load;
+    ReconstructOptions reconstruct;
+    std::optional<int> n_coarse;
+    Backend backend = Backend::automatic;
+    int n_threads = 0;
+    bool quiet = false;
+};
+
+/// The log while it grows, beside the model it becomes; gone again if it does not become one.
+class TemporaryLog {
+public:
+    explicit TemporaryLog(const std::filesystem::path& model) : path_(model.string() + ".part"), file_(path_) {}
+    ~TemporaryLog() {
+        std::error_code ignored;  // nothing more can be done while another failure is on its way
+        std::filesystem::remove(path_, ignored);
+    }
+    TemporaryLog(const TemporaryLog&) = delete;
+    TemporaryLog& operator=(const TemporaryLog&) = delete;
+
+    LiveLogFile& file() { return file_; }
+
+private:
+    std::filesystem::path path_;
+    LiveLogFile file_;
+};
+
+std::string method_name(Method method) {
+    for (const auto& [name, value] : methods) {
+        if (value == method) return name;
+    }
+    return {};
+}
+
+/// The curve with the bytes that each of its points has in the sealed log.
+std::vector<ReportPoint> report_curve(const std::vector<MeteredPoint>& curve, const LogLayout& sealed) {
+    std::vector<ReportPoint> points;
+    for (const MeteredPoint& p : curve) {
+        const std::uint64_t bytes = sealed.frames_begin + sealed.index.at(p.n_rows - 1).end;
+        points.push_back({p.n_vertices, bytes, p.distortion.mean, p.seconds});
+    }
+    return points;
+}
+
+Report make_report(const ReconstructCommand& request, const MeteredSink& sink, int n_threads, bool stopped) {
+    const auto log = read_log(request.model);
+    Report report;
+    report.capture = request.capture.string();
+    report.method = method_name(request.reconstruct.method);
+    report.backend = "cpu";
+    report.n_threads = n_threads;
+    report.curve = report_curve(sink.curve(), read_layout(log));
+    report.max_distortion = sink.curve().back().distortion.max;
+    report.log_bytes = log.size();
+    report.stopped = stopped;
+    return report;
+}
+
+void print_summary(const ReconstructCommand& request, const Report& report, const StageClock& clock) {
+    const ReportPoint& last = report.curve.back();
+    std::fprintf(stderr, "%s: %d vertices, %llu bytes, psi %.2f, %.1f s\n", request.model.c_str(), last.n_vertices,
+                 static_cast<unsigned long long>(report.log_bytes), last.psi, clock.total_seconds());
+}
+
+int reconstruct_capture(const ReconstructCommand& request) {
+    if (request.backend == Backend::gpu) throw IoError("--backend gpu: this build has no GPU backend; use cpu or auto");
+    const Interrupt interrupt;
+    const ThreadLimit threads(request.n_threads);
+    StageClock clock;
+    const Capture capture = load_capture(request.capture, request.load);
+
+    TemporaryLog temporary(request.model);
+    LogWriter writer(log_id_of(capture, request.reconstruct),
+                     [&](std::span<const std::byte> frames) { temporary.file().append(frames); });
+    MeteredSink sink(writer, clock);
+    const bool stopped = [&] {
+        ProgressBar bar;
+        const auto on_progress = [&](const Progress& progress) {
+            clock.switch_to(activity_of(progress.stage));
+            if (!request.quiet) bar.show(progress);
+        };
+        return reconstruct(capture, request.reconstruct, sink, on_progress, interrupt.token()).stopped;
+    }();
+    if (sink.curve().empty()) {
+        std::fprintf(stderr, "anyrate: interrupted before the coarse mesh was there; no model was written\n");
+        return 1;
+    }
+    temporary.file().seal(request.model, writer.rows());
+
+    const Report report = make_report(request, sink, threads.n_threads(), stopped);
+    if (request.report) replace_file(*request.report, as_bytes(report_json(report, clock)));
+    if (!request.quiet) print_summary(request, report, clock);
+    if (!stopped) return 0;
+    std::fprintf(stderr, "anyrate: interrupted; %s is a valid model that ends at its last whole frame, %d vertices\n",
+                 request.model.c_str(), report.curve.back().n_vertices);
+    return 1;
+}
+
+void add_options(CLI::App& sub, ReconstructCommand& request) {
+    sub.add_option("CAPTURE", request.capture, "folder or zip of images, masks and cameras")->required();
+    sub.add_option("-o,--output", request.model, "the model to write (.arl)")->required();
+    sub.add_option("--vertices", request.reconstruct.n_vertices, "of the finest mesh")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    sub.add_option("--coarse", request.n_coarse, "vertices of the coarse mesh (2500, or --vertices if that is less)")
+        ->check(CLI::PositiveNumber);
+    sub.add_option("--cameras", request.load.cameras_file, "name of the camera file inside the capture")
+        ->capture_default_str();
+    sub.add_option("--backend", request.backend, "who computes photo-consistency: auto, cpu or gpu")
+        ->transform(CLI::CheckedTransformer(backends));
+    sub.add_option("--method", request.reconstruct.method,
+                   "refine: the method; flow: surface flow alone; uniform: split the largest faces")
+        ->transform(CLI::CheckedTransformer(methods));
+    sub.add_option("--threads", request.n_threads, "at most N threads; every processor by default")
+        ->check(CLI::PositiveNumber);
+    sub.add_option("--seed", request.reconstruct.seed, "of the random choices")->capture_default_str();
+    sub.add_option("--report", request.report, "write times, memory and the rate-distortion curve as JSON");
+    sub.add_flag("--quiet", request.quiet, "say nothing but errors");
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& app, Command& command) {
+    auto request = std::make_shared<ReconstructCommand>();
+    CLI::App* sub = app.add_subcommand("reconstruct", "rebuild an object from photographs as a progressive model");
+    add_options(*sub, *request);
+    sub->callback([request, &command] {
+        const ReconstructOptions defaults;
+        request->reconstruct.n_coarse =
+            request->n_coarse.value_or(std::min(defaults.n_coarse, request->reconstruct.n_vertices));
+        command = [request] { return reconstruct_capture(*request); };
+    });
+}
+
+}  // namespace anyrate
