@@ -1,0 +1,230 @@
+#include "core/mesh/remesh.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <queue>
+#include <string>
+
+#include "core/error.h"
+#include "core/mesh/edge_operations.h"
+#include "core/mesh/nearest_surface.h"
+#include "core/mesh/topology.h"
+#include "core/mesh/triangle_shape.h"
+#include "core/parallel.h"
+
+namespace anyrate {
+namespace {
+
+using OpenMesh::EdgeHandle;
+using OpenMesh::HalfedgeHandle;
+using OpenMesh::VertexHandle;
+
+/// Rounds at the end that leave the count alone and only even out.
+constexpr int n_polishing_rounds = 4;
+
+class Remesher {
+public:
+    explicit Remesher(const Mesh& mesh) : target_(mesh), surface_(to_surface(mesh)) { surface_.add_property(face_); }
+
+    Mesh run(const RemeshOptions& options) {
+        n_wanted_ = options.n_vertices;
+        for (const VertexHandle v : surface_.vertices()) surface_.property(face_, v) = -1;
+        thin_out(3 * n_wanted_);
+        double correction = 1;
+        for (int round = 0; round < options.iterations; ++round) {
+            const double length = correction * even_length(n_wanted_);
+            split_longer_than(4.0 / 3.0 * length);
+            collapse_shorter_than(4.0 / 5.0 * length, 4.0 / 3.0 * length);
+            improve_valences();
+            relax();
+            correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
+        }
+        meet_count();
+        for (int round = 0; round < n_polishing_rounds; ++round) {
+            improve_valences();
+            relax();
+        }
+        return to_mesh(surface_);
+    }
+
+private:
+    /// The edge length of n vertices in a regular triangulation of the surface's area: sqrt(3)/2 length^2 a vertex.
+    double even_length(int n) const {
+        double twice_area = 0;
+        for (const auto f : surface_.faces()) {
+            const HalfedgeHandle h = surface_.halfedge_handle(f);
+            twice_area += twice_area_vector(from(h), to(h), to(surface_.next_halfedge_handle(h))).norm();
+        }
+        return std::sqrt(twice_area / (std::numbers::sqrt3 * n));
+    }
+
+    /// Collapses short edges of a dense mesh, the shortest first, until about n vertices are left.
+    void thin_out(int n) {
+        const double length = even_length(n);
+        int n_left = static_cast<int>(surface_.n_vertices());
+        for (double part = 0.25; part < 1.5 && n_left > n; part += 0.15) {
+            const double bound = part * length;
+            for (std::size_t i = 0; i < surface_.n_edges() && n_left > n; ++i)
+                n_left -= collapse_if_shorter(EdgeHandle(static_cast<int>(i)), bound, 2 * bound);
+        }
+        surface_.garbage_collection();
+    }
+
+    bool collapse_if_shorter(EdgeHandle e, double bound, double max_length) {
+        if (surface_.status(e).deleted() || squared_length(surface_, e) >= bound * bound) return false;
+        return collapse_either_way(e, {.max_length = max_length, .max_distance = 0.3 * bound});
+    }
+
+    /// The end with the smaller valence goes first: that evens out the valences.
+    bool collapse_either_way(EdgeHandle e, const CollapseLimits& limits) {
+        HalfedgeHandle h = surface_.halfedge_handle(e, 0);
+        if (surface_.valence(surface_.from_vertex_handle(h)) > surface_.valence(surface_.to_vertex_handle(h)))
+            h = surface_.opposite_halfedge_handle(h);
+        return collapse(surface_, h, limits) || collapse(surface_, surface_.opposite_halfedge_handle(h), limits);
+    }
+
+    void collapse_shorter_than(double bound, double max_length) {
+        for (std::size_t i = 0; i < surface_.n_edges(); ++i)
+            collapse_if_shorter(EdgeHandle(static_cast<int>(i)), bound, max_length);
+        surface_.garbage_collection();
+    }
+
+    void split_longer_than(double bound) {
+        const std::size_t n_edges = surface_.n_edges();  // the halves are looked at in the next round
+        for (std::size_t i = 0; i < n_edges; ++i) {
+            const EdgeHandle e(static_cast<int>(i));
+            if (squared_length(surface_, e) > bound * bound) split(e);
+        }
+    }
+
+    /// At the middle, which then goes to the input surface unless that folds something over.
+    VertexHandle split(EdgeHandle e) {
+        const HalfedgeHandle h = surface_.halfedge_handle(e, 0);
+        const Vec3 middle = (from(h) + to(h)) / 2;
+        const std::int32_t hint = surface_.property(face_, surface_.from_vertex_handle(h));
+        const VertexHandle v = surface_.add_vertex(middle);
+        surface_.split(e, v);
+        surface_.property(face_, v) = hint;
+        const NearestSurface::Hit hit = project(middle, ring_normal(surface_, v), hint);
+        surface_.property(face_, v) = hit.face;
+        move(surface_, v, hit.point);
+        return v;
+    }
+
+    void improve_valences() {
+        for (std::size_t i = 0; i < surface_.n_edges(); ++i) flip_to_improve(surface_, EdgeHandle(static_cast<int>(i)));
+    }
+
+    /// Every vertex goes towards the centre of its ring along the tangent plane, and back to the input surface.
+    void relax() {
+        std::vector<Vec3> place(surface_.n_vertices());
+        parallel_for(place.size(), [&](std::size_t i) {
+            const VertexHandle v(static_cast<int>(i));
+            const Vec3 normal = ring_normal(surface_, v).stableNormalized();
+            const Vec3 step = ring_centre(v) - surface_.point(v);
+            const Vec3 wanted = surface_.point(v) + step - normal * normal.dot(step);
+            const NearestSurface::Hit hit = project(wanted, normal, surface_.property(face_, v));
+            surface_.property(face_, v) = hit.face;
+            place[i] = hit.point;
+        });
+        for (std::size_t i = 0; i < place.size(); ++i) move(surface_, VertexHandle(static_cast<int>(i)), place[i]);
+    }
+
+    /// The centre of gravity of the triangles around a vertex.
+    Vec3 ring_centre(VertexHandle v) const {
+        Vec3 sum = Vec3::Zero();
+        double area = 0;
+        const HalfedgeHandle first = surface_.halfedge_handle(v);
+        HalfedgeHandle h = first;
+        do {
+            const HalfedgeHandle next = surface_.opposite_halfedge_handle(surface_.prev_halfedge_handle(h));
+            const double a = twice_area_vector(from(h), to(h), to(next)).norm();
+            sum += a * (from(h) + to(h) + to(next));
+            area += a;
+            h = next;
+        } while (h != first);
+        return area > 0 ? Vec3(sum / (3 * area)) : surface_.point(v);
+    }
+
+    /// To the side of the input that faces the same way; to any if there is none.
+    NearestSurface::Hit project(const Vec3& p, const Vec3& normal, std::int32_t hint) const {
+        const NearestSurface::Hit hit = target_.nearest_facing(p, normal, hint);
+        return hit.face >= 0 ? hit : target_.nearest(p, hint);
+    }
+
+    /// Single splits of the longest or collapses of the shortest edges.
+    void meet_count() {
+        int n = static_cast<int>(surface_.n_vertices());
+        if (n > n_wanted_) collapse_shortest(n - n_wanted_);
+        if (n < n_wanted_) split_longest(n_wanted_ - n);
+    }
+
+    struct Ranked {
+        double rank;
+        int edge;
+        friend bool operator<(const Ranked& a, const Ranked& b) {
+            return std::pair(a.rank, a.edge) < std::pair(b.rank, b.edge);
+        }
+    };
+
+    void split_longest(int count) {
+        std::priority_queue<Ranked> longest;
+        for (const EdgeHandle e : surface_.edges()) longest.push({squared_length(surface_, e), e.idx()});
+        while (count > 0) {
+            const Ranked top = longest.top();
+            longest.pop();
+            const EdgeHandle e(top.edge);
+            if (top.rank != squared_length(surface_, e)) continue;  // changed since: it was pushed again
+            const VertexHandle v = split(e);
+            --count;
+            for (const EdgeHandle changed : surface_.ve_range(v))
+                longest.push({squared_length(surface_, changed), changed.idx()});
+        }
+    }
+
+    void collapse_shortest(int count) {
+        std::priority_queue<Ranked> shortest;
+        for (const EdgeHandle e : surface_.edges()) shortest.push({-squared_length(surface_, e), e.idx()});
+        while (count > 0 && !shortest.empty()) {
+            const Ranked top = shortest.top();
+            shortest.pop();
+            const EdgeHandle e(top.edge);
+            if (surface_.status(e).deleted() || -top.rank != squared_length(surface_, e)) continue;
+            const HalfedgeHandle h = surface_.halfedge_handle(e, 0);
+            const VertexHandle ends[2] = {surface_.from_vertex_handle(h), surface_.to_vertex_handle(h)};
+            const double length = std::sqrt(-top.rank);
+            if (!collapse_either_way(e, {.max_length = 4 * length, .max_distance = 0.5 * length})) continue;
+            --count;
+            const VertexHandle kept = surface_.status(ends[0]).deleted() ? ends[1] : ends[0];
+            for (const EdgeHandle changed : surface_.ve_range(kept))
+                shortest.push({-squared_length(surface_, changed), changed.idx()});
+        }
+        surface_.garbage_collection();
+    }
+
+    const Vec3& from(HalfedgeHandle h) const { return surface_.point(surface_.from_vertex_handle(h)); }
+    const Vec3& to(HalfedgeHandle h) const { return surface_.point(surface_.to_vertex_handle(h)); }
+
+    NearestSurface target_;
+    Surface surface_;
+    OpenMesh::VPropHandleT<std::int32_t> face_;  ///< the input face each vertex was last projected to
+    int n_wanted_ = 0;
+};
+
+}  // namespace
+
+Mesh remesh_isotropic(const Mesh& mesh, const RemeshOptions& options) {
+    const Topology topology = measure_topology(mesh);
+    if (!topology.is_closed_manifold()) throw InputError("remesh: expected a closed manifold");
+    if (options.n_vertices < 4 * topology.n_components)
+        throw InputError("remesh: expected at least 4 vertices a piece, got " + std::to_string(options.n_vertices) +
+                         " for " + std::to_string(topology.n_components));
+    Mesh even = Remesher(mesh).run(options);
+    if (std::abs(even.n_vertices() - options.n_vertices) > 0.02 * options.n_vertices)
+        throw InputError("remesh: " + std::to_string(options.n_vertices) + " vertices cannot carry the surface, got " +
+                         std::to_string(even.n_vertices()));
+    return even;
+}
+
+}  // namespace anyrate

@@ -1,0 +1,27 @@
+#pragma once
+// The halfedge mesh on which remeshing and simplification work. Heavy to compile: include it in .cpp files only.
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+#include <OpenMesh/Core/Geometry/EigenVectorT.hh>  // needs what the header above declares
+
+#include "core/mesh/mesh.h"
+
+namespace anyrate {
+
+struct SurfaceTraits : OpenMesh::DefaultTraits {
+    using Point = Vec3;
+    using Normal = Vec3;
+    VertexAttributes(OpenMesh::Attributes::Status);
+    HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge | OpenMesh::Attributes::Status);
+    EdgeAttributes(OpenMesh::Attributes::Status);
+    FaceAttributes(OpenMesh::Attributes::Status);
+};
+using Surface = OpenMesh::TriMesh_ArrayKernelT<SurfaceTraits>;
+
+/// Vertices and faces keep their numbers. `mesh` is closed and manifold.
+Surface to_surface(const Mesh& mesh);
+
+/// What is not marked as deleted, in order.
+Mesh to_mesh(const Surface& surface);
+
+}  // namespace anyrate
