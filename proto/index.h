@@ -18,9 +18,15 @@ struct IndexRow {
 };
 
 /// How much of a model somebody wants.
-struct VertexBudget { std::uint32_t n_vertices; };
-struct ByteBudget { std::uint64_t n_bytes; };       ///< of the whole prefix, header and index included
-struct DistortionBudget { double distortion; };     ///< at most, if the log gets there
+struct VertexBudget {
+    std::uint32_t n_vertices;
+};
+struct ByteBudget {
+    std::uint64_t n_bytes;
+};  ///< of the whole prefix, header and index included
+struct DistortionBudget {
+    double distortion;
+};  ///< at most, if the log gets there
 using Budget = std::variant<VertexBudget, ByteBudget, DistortionBudget>;
 
 /// Number of rows (frames) of the prefix that answers a budget; never less than the base and its colours.
@@ -29,6 +35,10 @@ std::size_t rows_for_budget(std::span<const IndexRow> rows, const Budget& budget
 
 /// End of that prefix as an offset in the file.
 std::uint64_t prefix_end(std::span<const IndexRow> rows, const Budget& budget, std::uint64_t frames_begin);
+
+/// The rows as the payload of an index frame, and back. @throws DecodeError
+std::vector<std::byte> encode_index_rows(std::span<const IndexRow> rows);
+std::vector<IndexRow> decode_index_rows(std::span<const std::byte> payload);
 
 /// The rows as the bytes of the side index `<log>.idx` (FORMAT.md, "Side index"), and back.
 /// @throws DecodeError

@@ -42,7 +42,7 @@ void check_corners(int n_vertices, std::span<const Triangle> triangles) {
 
 HalfedgeConnectivity::HalfedgeConnectivity(int n_vertices, std::span<const Triangle> triangles)
     : triangles_(triangles.begin(), triangles.end()) {
-    if (n_vertices < 4 || n_vertices > max_vertices || triangles.size() > 2 * std::size_t{max_vertices}) {
+    if (n_vertices < 4 || n_vertices > max_log_vertices || triangles.size() > 2 * std::size_t{max_log_vertices}) {
         throw DecodeError("base: expected 4 to 2^24 vertices and at most 2^25 faces, got " +
                           std::to_string(n_vertices) + " and " + std::to_string(triangles.size()));
     }
@@ -109,7 +109,7 @@ bool HalfedgeConnectivity::are_neighbours(std::int32_t a, std::int32_t b) const 
 }
 
 std::optional<std::array<std::int32_t, 6>> HalfedgeConnectivity::split_site(std::int32_t face) const {
-    if (face < 0 || face >= n_faces() || n_vertices() + 3 > max_vertices) return std::nullopt;
+    if (face < 0 || face >= n_faces() || n_vertices() + 3 > max_log_vertices) return std::nullopt;
     std::array<std::int32_t, 6> site;
     for (std::int32_t i = 0; i < 3; ++i) {
         site[index(i)] = origin(3 * face + i);

@@ -14,7 +14,7 @@ namespace anyrate {
 /// No vertex grows beyond this many edges by a split or flip, so that the work of one operation is bounded.
 inline constexpr int max_valence = 64;
 /// Bound on the vertices of a log; half-edge numbers stay far below 2^31.
-inline constexpr int max_vertices = 1 << 24;
+inline constexpr int max_log_vertices = 1 << 24;
 
 /// A closed, oriented, manifold triangle mesh as plain arrays: half-edge 3f+i runs from corner i of face f to corner
 /// i+1. Every change is atomic for the caller that ends it by commit() or roll_back().

@@ -5,13 +5,14 @@
 
 namespace anyrate {
 
-/// Distortion after a piece of the log: psi is Eq. 10 over the whole surface (squared 8-bit colour units), max the largest
-/// mean of one triangle.
+/// Distortion after a piece of the log: psi is Eq. 10 over the whole surface (squared 8-bit colour units), max the
+/// largest mean of one triangle.
 struct DistortionPoint {
     double mean = 0, max = 0;
 };
 
-/// Receives a model while it is made. core writes through this seam, so that it knows no wire format; proto implements it.
+/// Receives a model while it is made. core writes through this seam, so that it knows no wire format; proto implements
+/// it.
 class ModelSink {
 public:
     virtual ~ModelSink() = default;
@@ -20,8 +21,8 @@ public:
     /// Colours and distortion of the base, one colour per vertex of the mesh that start() returned.
     virtual void base_attributes(std::span<const Rgb8> colours, const DistortionPoint& distortion) = 0;
     /// One batch: records in order, `state` after the last of them, colours of the three new vertices of each record.
-    virtual void batch(std::span<const SplitRecord> records, const RefinableMesh& state, std::span<const Rgb8> new_colours,
-                       const DistortionPoint& distortion) = 0;
+    virtual void batch(std::span<const SplitRecord> records, const RefinableMesh& state,
+                       std::span<const Rgb8> new_colours, const DistortionPoint& distortion) = 0;
     /// No more batches.
     virtual void finish() = 0;
 };

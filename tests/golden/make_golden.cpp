@@ -1,0 +1,84 @@
+// Writes the golden files of the stream into a folder: make_golden FOLDER
+//   octahedron.arl        live form, the worked example of proto/FORMAT.md
+//   icosphere.arl         sealed form, some hundred splits with colours
+//   icosphere.json        for a list of vertex budgets: vertices, faces, state hash and the CRC-32C of positions,
+//   triangles and
+//                         colours that every reader must find
+#include <fstream>
+#include <iostream>
+#include <string>
+
+#include "core/error.h"
+#include "proto/bytes.h"
+#include "proto/crc32c.h"
+#include "proto/log_reader.h"
+#include "proto/log_writer.h"
+#include "tests/golden/sample_models.h"
+
+namespace anyrate {
+namespace {
+
+void write_file(const std::string& path, std::span<const std::byte> bytes) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush()) throw IoError(path + ": cannot be written");
+}
+
+/// One row of the JSON list.
+std::string expectation(std::span<const std::byte> log, std::uint32_t budget) {
+    ModelDecoder decoder;
+    decoder.set_max_vertices(budget);
+    decoder.feed(log);
+    ByteWriter positions, triangles, colours;
+    for (const GridPoint& p : decoder.state()->positions()) {
+        for (const std::int32_t x : {p.x, p.y, p.z}) positions.put(static_cast<std::uint32_t>(x));
+    }
+    for (const Triangle& t : decoder.state()->triangles()) {
+        for (const std::int32_t v : t) triangles.put(static_cast<std::uint32_t>(v));
+    }
+    for (const Rgb8& c : decoder.mesh().colours) {
+        for (const std::uint8_t x : {c.r, c.g, c.b}) colours.put(x);
+    }
+    const auto number = [](const char* name, std::uint64_t value) {
+        return "\"" + std::string(name) + "\": " + std::to_string(value);
+    };
+    return "  {" + number("budget", budget) + ", " +
+           number("vertices", static_cast<std::uint64_t>(decoder.state()->n_vertices())) + ", " +
+           number("faces", static_cast<std::uint64_t>(decoder.state()->n_faces())) + ", " +
+           number("stateHash", decoder.state()->state_hash()) + ",\n   " +
+           number("positionsCrc", crc32c(positions.bytes())) + ", " +
+           number("trianglesCrc", crc32c(triangles.bytes())) + ", " + number("coloursCrc", crc32c(colours.bytes())) +
+           "}";
+}
+
+void make_golden(const std::string& folder) {
+    write_file(folder + "/octahedron.arl", samples::octahedron_log().live);
+
+    const samples::SampleLog sample = samples::icosphere_log();
+    const std::vector<std::byte> sealed = seal_log(sample.live, sample.rows);
+    write_file(folder + "/icosphere.arl", sealed);
+    std::string json;
+    for (const std::uint32_t budget :
+         {42u, 44u, 45u, 100u, 101u, 102u, 103u, 250u, 333u, 500u, 777u, 1000u, 1000000u}) {
+        json += (json.empty() ? "[\n" : ",\n") + expectation(sealed, budget);
+    }
+    json += "\n]\n";
+    write_file(folder + "/icosphere.json", std::as_bytes(std::span(json)));
+}
+
+}  // namespace
+}  // namespace anyrate
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::cerr << "usage: make_golden FOLDER\n";
+        return 2;
+    }
+    try {
+        anyrate::make_golden(argv[1]);
+    } catch (const std::exception& error) {
+        std::cerr << "make_golden: " << error.what() << '\n';
+        return 1;
+    }
+    return 0;
+}
