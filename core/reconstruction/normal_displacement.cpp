@@ -34,22 +34,20 @@ std::size_t hessian_slot(std::size_t a, std::size_t b) {
 
 }  // namespace
 
-double bending_energy(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
-                      std::span<const std::int32_t> vertices) {
-    double sum = 0;
-    for (std::int32_t v : vertices) {
-        const double along = umbrella(surface, rings, v).dot(normals[at(v)]);
-        sum += along * along;
-    }
-    return sum;
+std::vector<double> umbrellas(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
+                              std::span<const std::int32_t> vertices) {
+    std::vector<double> along(vertices.size());
+    parallel_for(vertices.size(), [&](std::size_t i) {
+        along[i] = umbrella(surface, rings, vertices[i]).dot(normals[at(vertices[i])]);
+    });
+    return along;
 }
 
 NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                                        std::span<const std::int32_t> active, std::span<const std::int32_t> faces,
                                        std::span<const TriangleTerms> terms,
-                                       std::span<const SilhouetteTerm> silhouettes, std::span<const double> contour_px,
-                                       const Weights& weights)
-    : n_(active.size()) {
+                                       std::span<const SilhouetteTerm> silhouettes, const Regularity& regularity)
+    : n_(active.size()), bending_weight_(regularity.bending) {
     std::vector<std::int32_t> active_index(surface.vertices.size(), -1);
     for (std::size_t i = 0; i < n_; ++i) active_index[at(active[i])] = static_cast<std::int32_t>(i);
 
@@ -70,16 +68,8 @@ NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRing
             diagonal_[at(i)] += terms[f].hessian[a];
         }
     }
-    double curvature = 0;
-    std::size_t n_with_evidence = 0;
-    for (double d : diagonal_) {
-        curvature += d;
-        n_with_evidence += d > 0 ? 1 : 0;
-    }
-    bending_weight_ = weights.bending * (n_with_evidence > 0 ? curvature / static_cast<double>(n_with_evidence) : 1.0);
-
     for (std::size_t i = 0; i < n_; ++i) {
-        const double w = weights.silhouette * contour_px[i];
+        const double w = regularity.silhouette[i];
         gradient_[i] += w * silhouettes[i].gradient;
         own_hessian_[i] = w * silhouettes[i].hessian;
         diagonal_[i] += own_hessian_[i];
@@ -91,7 +81,7 @@ NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRing
         const std::int32_t v = active[i];
         const auto ring = rings.neighbours(v);
         Umbrella& u = umbrellas_[i];
-        u.value = umbrella(surface, rings, v).dot(normals[at(v)]);
+        u.value = umbrella(surface, rings, v).dot(normals[at(v)]) - regularity.rest[i];
         u.coefficients.emplace_back(static_cast<std::int32_t>(i), -1.0);
         for (std::int32_t w : ring)
             if (const std::int32_t j = active_index[at(w)]; j >= 0)

@@ -22,40 +22,44 @@ public:
         double silhouette = 30.0;  ///< of a squared pixel, per pixel of contour; squared 8-bit colour units
     };
 
+    /// What the regularising terms weigh, and the shape at which they rest.
+    struct Regularity {
+        double bending = 0;                  ///< of a squared umbrella, squared colour units per squared world unit
+        std::span<const double> rest;        ///< per active vertex, the umbrella along the normal that costs nothing
+        std::span<const double> silhouette;  ///< per active vertex, of a squared pixel; squared colour units
+    };
+
     /// @param active  vertices that may move, ascending
-    /// @param faces   all faces around active vertices, ascending; `terms` are theirs
+    /// @param faces   all faces around active vertices, ascending; `terms` are theirs, `silhouettes` the active
+    /// vertices'
     NormalDisplacement(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                        std::span<const std::int32_t> active, std::span<const std::int32_t> faces,
                        std::span<const TriangleTerms> terms, std::span<const SilhouetteTerm> silhouettes,
-                       std::span<const double> contour_px, const Weights& weights);
+                       const Regularity& regularity);
 
     /// The displacement of every active vertex that minimises the damped quadratic, by conjugate gradients.
     /// @param damping of the diagonal, 0 the Gauss-Newton step
     std::vector<double> solve(double damping) const;
-
-    /// Weight of the bending energy, squared colour units per squared world unit: mean data curvature times
-    /// Weights::bending.
-    double bending_weight() const { return bending_weight_; }
 
 private:
     std::vector<double> apply(std::span<const double> u, double damping) const;
 
     struct Umbrella {                                               ///< n_v . (mean of the ring - x_v), linear in u
         std::vector<std::pair<std::int32_t, double>> coefficients;  ///< active index, derivative
-        double value = 0;
+        double value = 0;                                           ///< at u = 0, less the rest value
     };
-    std::size_t n_ = 0;
+    std::size_t n_;
+    double bending_weight_;
     std::vector<std::array<std::int32_t, 3>> face_active_;  ///< active index of each corner, -1 for a fixed one
     std::vector<std::array<double, 6>> face_hessian_;
     std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> vertex_faces_;  ///< per active: (face slot, corner)
     std::vector<Umbrella> umbrellas_;                                               ///< per active
     std::vector<std::vector<std::pair<std::int32_t, double>>> vertex_umbrellas_;    ///< transpose
     std::vector<double> gradient_, own_hessian_, diagonal_;
-    double bending_weight_ = 0;
 };
 
-/// Bending energy without its weight: sum over `vertices` of (n_v . (mean of the ring - x_v))^2, squared world units.
-double bending_energy(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
-                      std::span<const std::int32_t> vertices);
+/// Umbrella along the normal, n_v . (mean of the ring - x_v), of each listed vertex, world units.
+std::vector<double> umbrellas(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
+                              std::span<const std::int32_t> vertices);
 
 }  // namespace anyrate

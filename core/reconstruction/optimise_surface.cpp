@@ -14,6 +14,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 constexpr double first_damping = 1e-2;
 constexpr double max_damping = 1e3;
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
+constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
 
 /// What the vertices, their one-rings and the batch of faces are while one round lasts.
@@ -38,21 +39,20 @@ public:
             for (std::int32_t f : rings_.faces(v)) pixel += backend_.pixel_size(f);
             pixel /= static_cast<double>(rings_.faces(v).size());
             step_limits_.push_back(std::min(options.max_step_px * pixel, max_step_edges * edges[at(v)]));
-            contour_px_.push_back(edges[at(v)] / pixel);
+            silhouette_weights_.push_back(options.silhouette * edges[at(v)] / pixel);
         }
         look();
-        energy_ = evaluate(first_samples_ = 0);
+        rest();
+        for (const TriangleTerms& t : terms_) first_samples_ += t.distortion.n_samples;
+        energy_ = evaluate();
     }
-
-    double energy() const { return energy_; }
 
     /// One damped Gauss-Newton step. @return whether the energy fell; if not, nothing has moved
     bool step(double& damping) {
         const SurfaceView surface(vertices_, triangles_);
         const NormalDisplacement quadratic(surface, rings_, normals_, active_, faces_, terms_, silhouette_terms_,
-                                           contour_px_, options_.weights);
-        bending_weight_ = quadratic.bending_weight();
-        const double before = evaluate(first_samples_);
+                                           {bending_, rest_, silhouette_weights_});
+        const double before = energy_;
         const std::vector<Vec3> start(vertices_);
         const std::vector<Vec3> start_normals(normals_);
         for (; damping <= max_damping; damping *= 8) {
@@ -62,7 +62,7 @@ public:
                 vertices_[v] = start[v] + std::clamp(u[i], -step_limits_[i], step_limits_[i]) * start_normals[v];
             }
             look();
-            energy_ = evaluate(first_samples_);
+            energy_ = evaluate();
             if (energy_ < before) {
                 damping = std::max(damping / 4, 1e-4);
                 return energy_ < before * (1 - converged);
@@ -70,7 +70,7 @@ public:
         }
         vertices_ = start;
         look();
-        energy_ = evaluate(first_samples_);
+        energy_ = evaluate();
         return false;
     }
 
@@ -93,19 +93,39 @@ private:
         silhouette_terms_ = silhouettes_.terms(surface, rings_, normals_, active_, options_.silhouette_reach_px);
     }
 
+    /// What the round's regularising terms weigh. A vertex that the images say much of bends towards flat; one they say
+    /// nothing of keeps the shape it has: a prior that pulled there would inflate what no view sees.
+    void rest() {
+        std::vector<double> curvature(vertices_.size(), 0.0);
+        for (std::size_t i = 0; i < faces_.size(); ++i)
+            for (std::size_t k = 0; k < 3; ++k) curvature[at(triangles_[at(faces_[i])][k])] += terms_[i].hessian[k];
+        double sum = 0;
+        int n_with_evidence = 0;
+        for (std::int32_t v : active_) {
+            sum += curvature[at(v)];
+            n_with_evidence += curvature[at(v)] > 0 ? 1 : 0;
+        }
+        const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0;
+        bending_ = options_.bending * mean;
+        rest_ = umbrellas({vertices_, triangles_}, rings_, normals_, active_);
+        for (std::size_t i = 0; i < active_.size(); ++i)
+            rest_[i] *= 1 - curvature[at(active_[i])] / (curvature[at(active_[i])] + weak_evidence * mean);
+    }
+
     /// The energy of what look() saw. Samples come and go at the silhouettes, so phi counts as its mean per sample
     /// times the number of samples at the round's start.
-    double evaluate(double& first_samples) {
+    double evaluate() const {
         double phi = 0, n_samples = 0;
         for (const TriangleTerms& t : terms_) {
             phi += t.distortion.phi;
             n_samples += t.distortion.n_samples;
         }
-        if (first_samples == 0) first_samples = n_samples;
-        double energy = n_samples > 0 ? phi / n_samples * first_samples : 0.0;
+        double energy = n_samples > 0 ? phi / n_samples * first_samples_ : 0.0;
+        const std::vector<double> bent = umbrellas({vertices_, triangles_}, rings_, normals_, active_);
         for (std::size_t i = 0; i < active_.size(); ++i)
-            energy += options_.weights.silhouette * contour_px_[i] * silhouette_terms_[i].energy;
-        return energy + bending_weight_ * bending_energy({vertices_, triangles_}, rings_, normals_, active_);
+            energy += silhouette_weights_[i] * silhouette_terms_[i].energy +
+                      bending_ * (bent[i] - rest_[i]) * (bent[i] - rest_[i]);
+        return energy;
     }
 
     PhotoBackend& backend_;
@@ -115,13 +135,13 @@ private:
     const OneRings& rings_;
     std::span<const std::int32_t> active_, faces_;
     const OptimiseOptions& options_;
-    std::vector<double> step_limits_, contour_px_;
+    std::vector<double> step_limits_, silhouette_weights_, rest_;
     std::vector<Vec3> normals_;
     std::vector<TriangleQuery> queries_;
     std::vector<std::array<Vec3, 3>> directions_;
     std::vector<TriangleTerms> terms_;
     std::vector<SilhouetteTerm> silhouette_terms_;
-    double bending_weight_ = 0, first_samples_ = 0, energy_ = 0;
+    double bending_ = 0, first_samples_ = 0, energy_ = 0;
 };
 
 void slide(std::vector<Vec3>& vertices, std::span<const Triangle> triangles, const OneRings& rings,

@@ -18,8 +18,9 @@ struct OptimiseOptions {
     double max_step_px = 1.0;     ///< no vertex moves further in one step, pixels of the level
     double tangential = 0.3;      ///< part of Eq. 12's step taken after each round, 0 none
     double silhouette_reach_px =
-        3.0;  ///< rim vertices further inside the mask do not feel it, pixels of the photographs
-    NormalDisplacement::Weights weights;
+        3.0;                   ///< rim vertices further inside the mask do not feel it, pixels of the photographs
+    double bending = 0.05;     ///< weight of a vertex's squared umbrella, in parts of the mean curvature of phi
+    double silhouette = 30.0;  ///< of a squared pixel, per pixel of contour; squared 8-bit colour units
 };
 
 /// Step 2 at a fixed rate: moves the active vertices along their normals to where the images agree most, by damped
