@@ -14,13 +14,13 @@
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/log_id.h"
-#include "server/cli/metered_sink.h"
 #include "server/cli/progress_bar.h"
 #include "server/cli/read_log.h"
 #include "server/cli/report.h"
 #include "server/cli/thread_limit.h"
+#include "server/cli/timed_sink.h"
+#include "server/jobs/durable_sink.h"
 #include "server/store/file.h"
-#include "server/store/live_log_file.h"
 
 namespace anyrate {
 namespace {
@@ -43,22 +43,22 @@ struct ReconstructCommand {
     bool quiet = false;
 };
 
-/// The log while it grows, beside the model it becomes; gone again if it does not become one.
+/// The growing log's place beside the model it becomes; nothing is left there when this ends.
 class TemporaryLog {
 public:
-    explicit TemporaryLog(const std::filesystem::path& model) : path_(model.string() + ".part"), file_(path_) {}
+    explicit TemporaryLog(const std::filesystem::path& model) : path_(model.string() + ".part") {}
     ~TemporaryLog() {
-        std::error_code ignored;  // nothing more can be done while another failure is on its way
+        std::error_code ignored;  // another failure may be on its way, and nothing more can be done about this one
         std::filesystem::remove(path_, ignored);
+        std::filesystem::remove(path_.string() + ".idx", ignored);
     }
     TemporaryLog(const TemporaryLog&) = delete;
     TemporaryLog& operator=(const TemporaryLog&) = delete;
 
-    LiveLogFile& file() { return file_; }
+    const std::filesystem::path& path() const { return path_; }
 
 private:
     std::filesystem::path path_;
-    LiveLogFile file_;
 };
 
 std::string method_name(Method method) {
@@ -68,28 +68,19 @@ std::string method_name(Method method) {
     return {};
 }
 
-/// The curve with the bytes that each of its points has in the sealed log.
-std::vector<ReportPoint> report_curve(const std::vector<MeteredPoint>& curve, const LogLayout& sealed) {
-    std::vector<ReportPoint> points;
-    for (const MeteredPoint& p : curve) {
-        const std::uint64_t bytes = sealed.frames_begin + sealed.index.at(p.n_rows - 1).end;
-        points.push_back({p.n_vertices, bytes, p.distortion.mean, p.seconds});
-    }
-    return points;
-}
-
-Report make_report(const ReconstructCommand& request, const MeteredSink& sink, int n_threads, bool stopped) {
+/// @param curve  with the bytes of the live log, whose frames begin right behind its header
+Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> curve, int n_threads, bool stopped) {
     const auto log = read_log(request.model);
-    Report report;
-    report.capture = request.capture.string();
-    report.method = method_name(request.reconstruct.method);
-    report.backend = "cpu";
-    report.n_threads = n_threads;
-    report.curve = report_curve(sink.curve(), read_layout(log));
-    report.max_distortion = sink.curve().back().distortion.max;
-    report.log_bytes = log.size();
-    report.stopped = stopped;
-    return report;
+    const LogLayout layout = read_layout(log);
+    for (ReportPoint& point : curve) point.bytes += layout.frames_begin - header_size;
+    return {.capture = request.capture.string(),
+            .method = method_name(request.reconstruct.method),
+            .backend = "cpu",
+            .n_threads = n_threads,
+            .curve = std::move(curve),
+            .max_distortion = layout.index.back().max_distortion,
+            .log_bytes = log.size(),
+            .stopped = stopped};
 }
 
 void print_summary(const ReconstructCommand& request, const Report& report, const StageClock& clock) {
@@ -105,10 +96,12 @@ int reconstruct_capture(const ReconstructCommand& request) {
     StageClock clock;
     const Capture capture = load_capture(request.capture, request.load);
 
-    TemporaryLog temporary(request.model);
-    LogWriter writer(log_id_of(capture, request.reconstruct),
-                     [&](std::span<const std::byte> frames) { temporary.file().append(frames); });
-    MeteredSink sink(writer, clock);
+    const TemporaryLog temporary(request.model);
+    std::vector<ReportPoint> curve;
+    DurableSink log(log_id_of(capture, request.reconstruct), temporary.path(), [&](const RatePoint& point) {
+        curve.push_back({static_cast<int>(point.n_vertices), point.n_bytes, point.psi, clock.total_seconds()});
+    });
+    TimedSink sink(log, clock);
     const bool stopped = [&] {
         ProgressBar bar;
         const auto on_progress = [&](const Progress& progress) {
@@ -117,13 +110,13 @@ int reconstruct_capture(const ReconstructCommand& request) {
         };
         return reconstruct(capture, request.reconstruct, sink, on_progress, interrupt.token()).stopped;
     }();
-    if (sink.curve().empty()) {
+    if (curve.empty()) {
         std::fprintf(stderr, "anyrate: interrupted before the coarse mesh was there; no model was written\n");
         return 1;
     }
-    temporary.file().seal(request.model, writer.rows());
+    log.seal(request.model);
 
-    const Report report = make_report(request, sink, threads.n_threads(), stopped);
+    const Report report = make_report(request, std::move(curve), threads.n_threads(), stopped);
     if (request.report) replace_file(*request.report, as_bytes(report_json(report, clock)));
     if (!request.quiet) print_summary(request, report, clock);
     if (!stopped) return 0;
