@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# The demo, on a fresh Debian 12 machine: installs, builds, photographs the vessel scene, reconstructs it through a server
+# and prints the server's address. What is there already is not made again.
+#
+# usage: server/run.sh [--once]      --once checks that the server answers and ends; otherwise Ctrl-C ends it
+# environment: ANYRATE_LISTEN, where to listen (default 127.0.0.1:8080)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+once=false
+case "${1:-}" in
+    "") ;;
+    --once) once=true ;;
+    *) echo "usage: server/run.sh [--once]" >&2; exit 2 ;;
+esac
+
+listen=${ANYRATE_LISTEN:-127.0.0.1:8080}
+url=http://$listen
+demo=build/demo
+anyrate=build/anyrate
+n_vertices=10000
+
+bash docker/install.sh
+mkdir -p "$demo"
+echo "== build"
+if ! { cmake -S . -B build -G Ninja && cmake --build build --target anyrate; } >"$demo/build.log" 2>&1; then
+    tail -n 40 "$demo/build.log" >&2
+    exit 1
+fi
+
+if [ ! -d "$demo/capture" ]; then
+    echo "== simulate a capture"
+    rm -rf "$demo/capture.part"
+    "$anyrate" simulate --scene vessel -o "$demo/capture.part"
+    mv "$demo/capture.part" "$demo/capture"
+fi
+
+echo "== serve"
+"$anyrate" serve --listen "$listen" --data "$demo/data" >"$demo/serve.log" 2>&1 &
+server=$!
+trap 'kill "$server" 2>/dev/null && wait "$server" || true' EXIT
+for _ in $(seq 100); do
+    if ! kill -0 "$server" 2>/dev/null; then
+        tail -n 5 "$demo/serve.log" >&2
+        exit 1
+    fi
+    curl -fsS "$url/healthz" >/dev/null 2>&1 && break
+    sleep 0.1
+done
+curl -fsS "$url/healthz" >/dev/null
+
+# The model of the last run, if the server still has it.
+id=$(cat "$demo/model-id" 2>/dev/null || true)
+if [ -z "$id" ] || ! curl -fsS "$url/v1/models/$id" 2>/dev/null | grep -q '"done"'; then
+    echo "== reconstruct"
+    id=$("$anyrate" push "$demo/capture" --server "$url" --wait --vertices "$n_vertices")
+    echo "$id" >"$demo/model-id"
+fi
+
+if $once; then
+    echo "== check"
+    "$anyrate" fetch "$url/v1/models/$id" -o "$demo/fetched.ply" --vertices 5000
+    curl -fsS "$url/v1/models/$id/log?vertices=5000" -o "$demo/prefix.arl"
+    "$anyrate" decode "$demo/prefix.arl" -o "$demo/decoded.ply" --vertices 5000
+    cmp "$demo/fetched.ply" "$demo/decoded.ply"
+    n=$(grep -am1 '^element vertex' "$demo/decoded.ply" | cut -d' ' -f3)
+    [ "$n" -ge 4998 ] && [ "$n" -le 5000 ] || { echo "asked for 5000 vertices, got $n" >&2; exit 1; }
+    echo "$url answers; the prefix for 5000 vertices decodes to $n"
+else
+    echo "The model is at $url/v1/models/$id and on the page $url/ (Ctrl-C ends the server)"
+    wait "$server"
+fi
