@@ -76,23 +76,25 @@ public:
 
     CameraEntry read() {
         CameraEntry result;
-        if (!entry_.is_object()) {
-            faults_.add(file_name_, where_ + " is " + describe(entry_) + "; expected an object with file, K, R and t");
-            return result;
+        if (entry_.is_object()) {
+            result.file = read_name("file", true);
+            result.mask = read_name("mask", false);
+            result.width = read_size("width");
+            result.height = read_size("height");
+            result.K = read_matrix("K");
+            result.R = read_matrix("R");
+            result.t = read_vector("t");
+            result.distortion = read_distortion();
+        } else {
+            fault("it", describe(entry_), "an object with file, K, R and t");
         }
-        result.file = read_name("file", true);
-        result.mask = read_name("mask", false);
-        result.width = read_size("width");
-        result.height = read_size("height");
-        result.K = read_matrix("K");
-        result.R = read_matrix("R");
-        result.t = read_vector("t");
-        result.distortion = read_distortion();
+        result.is_well_formed = is_well_formed_;
         return result;
     }
 
 private:
     void fault(const char* field, const std::string& found, const std::string& expected) {
+        is_well_formed_ = false;
         faults_.add(file_name_, where_ + ": " + field + " is " + found + "; expected " + expected);
     }
 
@@ -172,18 +174,18 @@ private:
     std::string where_;
     const std::string& file_name_;
     Faults& faults_;
+    bool is_well_formed_ = true;
 };
 
 Vec2 read_pixel_center(const Json& root, const std::string& name, Faults& faults) {
     const auto member = root.find("pixel_center");
-    Vec2 center = CameraList{}.pixel_center;
-    if (member == root.end()) return center;
+    if (member == root.end()) return CameraList{}.pixel_center;
+    Vec2 center;
     const std::string wrong = read_numbers(*member, {center.data(), 2});
-    const bool is_inside = (center.array() >= 0.0).all() && (center.array() <= 1.0).all();
-    if (!wrong.empty() || !is_inside)
-        faults.add(name, "pixel_center is " + (wrong.empty() ? "outside the top-left pixel" : wrong) +
-                             "; expected 2 numbers from 0 to 1, mostly [0, 0] or [0.5, 0.5]");
-    return center;
+    if (wrong.empty() && (center.array() >= 0.0).all() && (center.array() <= 1.0).all()) return center;
+    faults.add(name, "pixel_center is " + (wrong.empty() ? "outside the top-left pixel" : wrong) +
+                         "; expected 2 numbers from 0 to 1, mostly [0, 0] or [0.5, 0.5]");
+    return CameraList{}.pixel_center;
 }
 
 Json to_json(const Mat3& matrix) {

@@ -10,12 +10,13 @@
 
 namespace anyrate {
 
-/// One photograph as cameras.json lists it: well formed, but its numbers are not yet checked (see check_camera.h).
+/// One photograph as cameras.json lists it; what its numbers mean is not yet checked (see check_camera.h).
 struct CameraEntry {
+    bool is_well_formed = true;        ///< false if any field was a fault; that field then has its default
     std::string file;                  ///< the image's relative_name()
     std::string mask;                  ///< the mask's relative_name(); empty if none is given
     std::optional<int> width, height;  ///< pixels; nullopt if not given
-    std::optional<Mat3> K, R;          ///< finite; nullopt if malformed (which is a fault already)
+    std::optional<Mat3> K, R;          ///< finite; nullopt if malformed
     std::optional<Vec3> t;
     Distortion distortion;
 };

@@ -32,7 +32,7 @@ struct Candidate {
     View view;
     Faults faults;
 
-    bool is_sound() const { return faults.empty(); }
+    bool is_sound() const { return entry.is_well_formed && faults.empty(); }
 };
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
@@ -97,7 +97,7 @@ std::string find_mask(const CaptureFiles& files, const CameraEntry& entry) {
 /// Finds the view's files, and checks what can be told without decoding them.
 void check_files(Candidate& candidate, const CaptureFiles& files, const LoadOptions& options) {
     const CameraEntry& entry = candidate.entry;
-    if (entry.file.empty()) return;  // a fault already
+    if (entry.file.empty()) return;
     const auto image = check_header(files, entry.file, options, candidate.faults);
     if (image) {
         const int width = entry.width.value_or(image->width), height = entry.height.value_or(image->height);
