@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <optional>
-#include <span>
+#include <functional>
 
 #include "core/mesh/mesh.h"
 
@@ -21,7 +20,15 @@ struct CompareOptions {
     std::uint64_t seed = 1;
 };
 
-/// Exact point-to-triangle distances of random surface points, both ways.
+/// Exact point-to-triangle distances of random surface points, both ways; the same for any number of threads.
+/// @throws InputError if a surface has no area
 SurfaceDistance compare_surfaces(const Mesh& mesh, const Mesh& reference, const CompareOptions& options = {});
+
+/// The same for the part of the reference that is seen, for instance by two cameras: its other points are left out, and
+/// so are those of the mesh whose nearest point of the reference is not seen.
+/// @param seen  asked about points of the reference, from several threads at once
+/// @throws InputError also if no point is seen
+SurfaceDistance compare_surfaces(const Mesh& mesh, const Mesh& reference, const std::function<bool(const Vec3&)>& seen,
+                                 const CompareOptions& options = {});
 
 }  // namespace anyrate
