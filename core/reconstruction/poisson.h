@@ -18,12 +18,14 @@ struct ScalarField {
 struct PoissonOptions {
     double spacing = 0.0;    ///< world units
     double screening = 4.0;  ///< weight of the points' own positions against the smoothness of the field
-    int margin = 4;          ///< empty cells kept around the points
+    int margin = 4;          ///< empty cells kept around the points, at least 2
 };
 
-/// The indicator-like field whose gradient fits the points' normals, shifted so that its zero set passes through the
-/// points. Source: Kazhdan, Bolitho, Hoppe 2006; screening as in Kazhdan and Hoppe 2013.
-/// @throws InputError if `points` is empty
+/// The smoothed indicator (about -1/2 inside, +1/2 outside) whose gradient fits the points' normals, each weighted by
+/// its point's area, shifted so that its zero set passes through the points. Positive on the grid's border.
+/// The points should be no further apart than the spacing where the surface is to follow them; gaps are closed
+/// smoothly. Source: Kazhdan, Bolitho, Hoppe 2006; screening after Kazhdan and Hoppe 2013.
+/// @throws InputError if `points` is empty, or spans more than 2^28 nodes at this spacing
 ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options);
 
 }  // namespace anyrate

@@ -1,0 +1,217 @@
+#include "core/reconstruction/silhouette_cone.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace anyrate {
+namespace {
+
+// ---- masks of 0 and 1
+
+// Every pixel becomes best(pixel, neighbour) over its neighbours in the image: a 3x3 dilation or erosion. What lies
+// outside the image has no say.
+template <class Best>
+MaskImage over_neighbours(const MaskImage& mask, const Best& best) {
+    MaskImage rows = mask;
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x + 1 < mask.width; ++x) {
+            rows(x, y) = best(rows(x, y), mask(x + 1, y));
+            rows(x + 1, y) = best(rows(x + 1, y), mask(x, y));
+        }
+    MaskImage result = rows;
+    for (int y = 0; y + 1 < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x) {
+            result(x, y) = best(result(x, y), rows(x, y + 1));
+            result(x, y + 1) = best(result(x, y + 1), rows(x, y));
+        }
+    return result;
+}
+
+MaskImage dilate(const MaskImage& mask) {
+    return over_neighbours(mask, [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
+}
+MaskImage erode(const MaskImage& mask) {
+    return over_neighbours(mask, [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+}
+
+MaskImage repaired(const MaskImage& mask) {
+    MaskImage object = mask;
+    for (std::uint8_t& pixel : object.pixels) pixel = pixel != 0;
+    object = erode(dilate(object));
+    // Thin parts are what an opening loses, less the tips of corners, which touch what it keeps.
+    const MaskImage kept_and_around = dilate(dilate(erode(object)));
+    MaskImage thin = object;
+    for (std::size_t i = 0; i < thin.pixels.size(); ++i)
+        thin.pixels[i] = object.pixels[i] && !kept_and_around.pixels[i];
+    const MaskImage thickened = dilate(thin);
+    for (std::size_t i = 0; i < object.pixels.size(); ++i) object.pixels[i] |= thickened.pixels[i];
+    return object;
+}
+
+bool touches_frame(const MaskImage& mask) {
+    const auto is_object = [](std::uint8_t pixel) { return pixel != 0; };
+    if (std::any_of(mask.pixels.begin(), mask.pixels.begin() + mask.width, is_object)) return true;
+    if (std::any_of(mask.pixels.end() - mask.width, mask.pixels.end(), is_object)) return true;
+    for (int y = 0; y < mask.height; ++y)
+        if (is_object(mask(0, y)) || is_object(mask(mask.width - 1, y))) return true;
+    return false;
+}
+
+// ---- signed distance
+
+constexpr int reach_px = 8;
+
+// Distance of every pixel centre to the nearest one with mask == target, exact up to reach_px, cut off there.
+// Separable: first within columns, then the nearest over the row's columns (Saito and Toriwaki 1994, with a bounded
+// reach).
+Image<float> distance_to(const MaskImage& mask, std::uint8_t target) {
+    constexpr float far = reach_px * reach_px;
+    Image<float> in_column(mask.width, mask.height, reach_px);
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x) {
+            if (mask(x, y) == target)
+                in_column(x, y) = 0.0f;
+            else if (y > 0)
+                in_column(x, y) = std::min<float>(reach_px, in_column(x, y - 1) + 1.0f);
+        }
+    for (int y = mask.height - 2; y >= 0; --y)
+        for (int x = 0; x < mask.width; ++x) in_column(x, y) = std::min(in_column(x, y), in_column(x, y + 1) + 1.0f);
+
+    Image<float> result(mask.width, mask.height, far);
+    for (int y = 0; y < mask.height; ++y)
+        for (int offset = -reach_px; offset <= reach_px; ++offset)
+            for (int x = std::max(0, -offset); x < std::min(mask.width, mask.width - offset); ++x) {
+                const float d = in_column(x + offset, y);
+                result(x, y) = std::min(result(x, y), d * d + static_cast<float>(offset * offset));
+            }
+    for (float& squared : result.pixels) squared = std::sqrt(squared);
+    return result;
+}
+
+// One pass of the kernel (1 2 1) / 4 along both axes; the border repeats itself.
+Image<float> blurred(const Image<float>& image) {
+    Image<float> rows = image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 1; x + 1 < image.width; ++x)
+            rows(x, y) = 0.25f * (image(x - 1, y) + image(x + 1, y)) + 0.5f * image(x, y);
+    Image<float> result = rows;
+    for (int y = 1; y + 1 < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            result(x, y) = 0.25f * (rows(x, y - 1) + rows(x, y + 1)) + 0.5f * rows(x, y);
+    return result;
+}
+
+// A pixel of an exact mask tells on which side of the outline its centre lies, and no more. So the distance to the
+// mask's staircase is smoothed (standard deviation 1.4 pixels in all) under that constraint: a straight edge becomes
+// straight, and a tip or a thin part keeps its pixels.
+Image<float> smooth_signed_distance(const MaskImage& mask) {
+    constexpr int n_passes = 4;
+    constexpr float least_px = 0.05f;
+    const Image<float> to_background = distance_to(mask, 0);
+    Image<float> distance = distance_to(mask, 1);
+    for (std::size_t i = 0; i < distance.pixels.size(); ++i)
+        distance.pixels[i] = mask.pixels[i] ? 0.5f - to_background.pixels[i] : distance.pixels[i] - 0.5f;
+    for (int pass = 0; pass < n_passes; ++pass) {
+        distance = blurred(distance);
+        for (std::size_t i = 0; i < distance.pixels.size(); ++i)
+            distance.pixels[i] =
+                mask.pixels[i] ? std::min(distance.pixels[i], -least_px) : std::max(distance.pixels[i], least_px);
+    }
+    return distance;
+}
+
+}  // namespace
+
+SilhouetteCone::SilhouetteCone(const View& view)
+    : P_(view.camera.P()),
+      centre_(view.camera.centre()),
+      world_from_pixel_(view.camera.R.transpose() * view.camera.K.inverse()),
+      pixels_per_radian_(std::sqrt(view.camera.K(0, 0) * view.camera.K(1, 1))) {
+    const MaskImage mask = repaired(view.mask);
+    complete_ = !touches_frame(mask);
+    distance_px_ = smooth_signed_distance(mask);
+    count_pixels(mask);
+}
+
+void SilhouetteCone::count_pixels(const MaskImage& mask) {
+    sum_ = Image<std::uint32_t>(mask.width + 1, mask.height + 1);
+    Vec2 moment = Vec2::Zero();
+    for (int y = 0; y < mask.height; ++y) {
+        std::uint32_t in_row = 0;
+        for (int x = 0; x < mask.width; ++x) {
+            in_row += mask(x, y);
+            sum_(x + 1, y + 1) = sum_(x + 1, y) + in_row;
+            if (mask(x, y)) moment += Vec2(x, y);
+        }
+    }
+    const std::uint32_t n_pixels = sum_(mask.width, mask.height);
+    if (n_pixels > 0) middle_px_ = moment / n_pixels;
+}
+
+std::int64_t SilhouetteCone::object_pixels(int x0, int y0, int x1, int y1) const {
+    const auto sum = [this](int x, int y) { return static_cast<std::int64_t>(sum_(x, y)); };
+    return sum(x1 + 1, y1 + 1) - sum(x0, y1 + 1) - sum(x1 + 1, y0) + sum(x0, y0);
+}
+
+Cover SilhouetteCone::cover(const Vec3& centre, double half_edge) const {
+    const Vec3 projected = P_ * centre.homogeneous();
+    const double depth_reach = half_edge * P_.block<1, 3>(2, 0).lpNorm<1>();
+    const Cover not_in_image = complete_ ? Cover::background : Cover::unseen;
+    if (projected.z() + depth_reach <= 0.0) return not_in_image;
+    const double least_depth = projected.z() - depth_reach;
+    if (least_depth <= 0.0) return Cover::mixed;
+
+    // With numerator N and depth D, u - u0 = ((N - u0 D) - 0) / D, whose numerator is linear and zero at the centre.
+    const double u0 = projected.x() / projected.z();
+    const double v0 = projected.y() / projected.z();
+    const double du = half_edge * (P_.block<1, 3>(0, 0) - u0 * P_.block<1, 3>(2, 0)).lpNorm<1>() / least_depth;
+    const double dv = half_edge * (P_.block<1, 3>(1, 0) - v0 * P_.block<1, 3>(2, 0)).lpNorm<1>() / least_depth;
+    const int width = distance_px_.width, height = distance_px_.height;
+    const double right = width - 0.5, bottom = height - 0.5;
+    if (u0 + du < -0.5 || v0 + dv < -0.5 || u0 - du > right || v0 - dv > bottom) return not_in_image;
+    const bool contained = u0 - du >= -0.5 && v0 - dv >= -0.5 && u0 + du <= right && v0 + dv <= bottom;
+    if (!contained && !complete_) return Cover::mixed;
+
+    // All pixels that the interpolation of a point of the footprint may read.
+    const auto first = [](double low) { return std::max(0, static_cast<int>(std::floor(low))); };
+    const auto last = [](double high, int size) { return std::min(size - 1, static_cast<int>(std::ceil(high))); };
+    const int x0 = first(u0 - du), x1 = last(u0 + du, width);
+    const int y0 = first(v0 - dv), y1 = last(v0 + dv, height);
+    const std::int64_t n_object = object_pixels(x0, y0, x1, y1);
+    if (n_object == 0) return Cover::background;
+    return n_object == static_cast<std::int64_t>(x1 - x0 + 1) * (y1 - y0 + 1) ? Cover::object : Cover::mixed;
+}
+
+std::optional<double> SilhouetteCone::distance(const Vec3& point) const {
+    const Vec3 projected = P_ * point.homogeneous();
+    if (projected.z() <= 0.0) return complete_ ? std::optional(std::numeric_limits<double>::infinity()) : std::nullopt;
+    const double u = projected.x() / projected.z();
+    const double v = projected.y() / projected.z();
+    const int width = distance_px_.width, height = distance_px_.height;
+    if (!complete_ && !(u >= -0.5 && v >= -0.5 && u <= width - 0.5 && v <= height - 0.5)) return std::nullopt;
+
+    // Beyond the frame of a complete view the background of its border goes on.
+    const double x = std::clamp(u, 0.0, width - 1.0);
+    const double y = std::clamp(v, 0.0, height - 1.0);
+    const int x0 = std::min(static_cast<int>(x), width - 2);
+    const int y0 = std::min(static_cast<int>(y), height - 2);
+    const double a = x - x0, b = y - y0;
+    const float* upper = &distance_px_(x0, y0);
+    const float* lower = upper + width;
+    const double distance_px = (1 - b) * ((1 - a) * upper[0] + a * upper[1]) + b * ((1 - a) * lower[0] + a * lower[1]);
+    return distance_px * projected.z() / pixels_per_radian_;
+}
+
+double SilhouetteCone::pixel_size(const Vec3& point) const {
+    return P_.row(2).dot(point.homogeneous()) / pixels_per_radian_;
+}
+
+std::optional<Vec3> SilhouetteCone::axis() const {
+    if (sum_.pixels.back() == 0) return std::nullopt;
+    return (world_from_pixel_ * middle_px_.homogeneous()).normalized();
+}
+
+}  // namespace anyrate

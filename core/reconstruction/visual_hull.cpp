@@ -1,0 +1,345 @@
+#include "core/reconstruction/visual_hull.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/reconstruction/silhouette_cone.h"
+
+namespace anyrate {
+namespace {
+
+[[noreturn]] void throw_no_common_inside(const Capture& capture) {
+    throw InputError("visual hull: no point of space is inside the silhouettes of all " +
+                     std::to_string(capture.views.size()) +
+                     " views; expected masks of one object (0 = background) and cameras that fit them");
+}
+
+using Cones = std::vector<SilhouetteCone>;
+
+Cones make_cones(const Capture& capture) {
+    std::vector<std::optional<SilhouetteCone>> made(capture.views.size());
+    parallel_for(
+        made.size(), [&](std::size_t i) { made[i].emplace(capture.views[i]); }, 1);
+    Cones cones;
+    cones.reserve(made.size());
+    for (auto& cone : made) cones.push_back(std::move(*cone));
+    return cones;
+}
+
+// A point that fewer views say something about is not part of the hull. Complete views speak of all space. Where there
+// are none, the cones of a few neighbours still overlap far behind the object, in places that no other image contains.
+int least_views(const Cones& cones) {
+    const auto n_complete =
+        std::count_if(cones.begin(), cones.end(), [](const auto& cone) { return cone.is_complete(); });
+    return n_complete >= 2 ? 2 : std::max(2, static_cast<int>(cones.size()) / 3);
+}
+// The hull as the negative part of a function: the largest signed distance to the cones of the views that say something
+// about the point.
+// point.
+class HullField {
+public:
+    HullField(const Cones& cones, double largest)
+        : cones_(cones), least_views_(least_views(cones)), largest_(largest) {}
+
+    // Cut off at +-largest, so that differences stay meaningful across the frame of an image, where a cone ends.
+    double operator()(const Vec3& point) const {
+        double field = -largest_;
+        int n_views = 0;
+        for (const SilhouetteCone& cone : cones_) {
+            const auto distance = cone.distance(point);
+            if (!distance) continue;
+            ++n_views;
+            field = std::max(field, *distance);
+            if (field >= largest_) return largest_;
+        }
+        return n_views < least_views_ ? largest_ : field;
+    }
+
+    bool is_inside(const Vec3& point) const {
+        int n_views = 0;
+        for (const SilhouetteCone& cone : cones_) {
+            const auto distance = cone.distance(point);
+            if (distance && *distance >= 0.0) return false;
+            n_views += distance.has_value();
+        }
+        return n_views >= least_views_;
+    }
+
+    // Outward direction of the surface near `point`, from differences over twice `step`: where two cones meet, between
+    // them.
+    Vec3 normal(const Vec3& point, double step) const {
+        Vec3 gradient;
+        for (int axis = 0; axis < 3; ++axis) {
+            const Vec3 offset = step * Vec3::Unit(axis);
+            gradient[axis] = (*this)(point + offset) - (*this)(point - offset);
+        }
+        return gradient;
+    }
+
+private:
+    const Cones& cones_;
+    int least_views_;
+    double largest_;
+};
+
+// ---- the octree, level by level: only the cells of the current level are held
+
+using Cell = std::array<std::int32_t, 3>;
+
+// A cube of 2^depth cells an axis.
+struct Cube {
+    Vec3 lower;
+    double edge = 0.0;
+    Vec3 centre() const { return lower.array() + 0.5 * edge; }
+};
+
+enum class Side { outside, inside, boundary };
+
+// A cell is outside only if some view shows its whole footprint empty, or too few views can contain any of it; so thin
+// parts survive. It is inside if every view either shows nothing but object or does not see it.
+Side classify(const Cones& cones, int n_least_views, const Vec3& centre, double half_edge) {
+    int n_object = 0, n_mixed = 0;
+    for (const SilhouetteCone& cone : cones) {
+        const Cover cover = cone.cover(centre, half_edge);
+        if (cover == Cover::background) return Side::outside;
+        n_object += cover == Cover::object;
+        n_mixed += cover == Cover::mixed;
+    }
+    if (n_object + n_mixed < n_least_views) return Side::outside;
+    return n_mixed == 0 ? Side::inside : Side::boundary;
+}
+
+struct Carved {
+    std::vector<Cell> boundary;  // cells of the last level
+    Eigen::AlignedBox3d inside;  // box of the cells of all levels that lie inside
+};
+
+Carved carve(const Cones& cones, const Cube& cube, int depth) {
+    const int n_least_views = least_views(cones);
+    Carved carved{{{0, 0, 0}}, {}};
+    for (int level = 1; level <= depth; ++level) {
+        const double edge = std::ldexp(cube.edge, -level);
+        const auto child_of = [](const Cell& parent, std::size_t n) {
+            const auto bit = [n](int axis) { return static_cast<std::int32_t>(n >> axis & 1); };
+            return Cell{2 * parent[0] + bit(0), 2 * parent[1] + bit(1), 2 * parent[2] + bit(2)};
+        };
+        const auto lower_of = [&](const Cell& cell) -> Vec3 {
+            return cube.lower + edge * Vec3(cell[0], cell[1], cell[2]);
+        };
+        std::vector<Side> sides(8 * carved.boundary.size());
+        parallel_for(sides.size(), [&](std::size_t n) {
+            const Vec3 lower = lower_of(child_of(carved.boundary[n / 8], n % 8));
+            sides[n] = classify(cones, n_least_views, lower.array() + 0.5 * edge, 0.5 * edge);
+        });
+        std::vector<Cell> next;
+        for (std::size_t n = 0; n < sides.size(); ++n) {
+            const Cell child = child_of(carved.boundary[n / 8], n % 8);
+            if (sides[n] == Side::boundary) next.push_back(child);
+            if (sides[n] == Side::inside) {
+                carved.inside.extend(lower_of(child));
+                carved.inside.extend(lower_of(child) + Vec3::Constant(edge));
+            }
+        }
+        carved.boundary = std::move(next);
+    }
+    return carved;
+}
+
+// ---- where the object is
+
+// The point nearest to the rays through the middles of all masks, and a cube around it up to the farthest camera.
+std::optional<Cube> first_guess(const Cones& cones) {
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero();
+    for (const SilhouetteCone& cone : cones) {
+        const auto axis = cone.axis();
+        if (!axis) return std::nullopt;
+        const Mat3 across = Mat3::Identity() - *axis * axis->transpose();
+        A += across;
+        b += across * (cone.camera_centre() - cones.front().camera_centre());
+    }
+    const Vec3 nearest = cones.front().camera_centre() + A.ldlt().solve(b);
+    double reach = 0.0;
+    for (const SilhouetteCone& cone : cones) reach = std::max(reach, (cone.camera_centre() - nearest).norm());
+    if (!nearest.allFinite() || !(reach > 0.0)) return std::nullopt;
+    return Cube{nearest - Vec3::Constant(reach), 2.0 * reach};
+}
+
+// Carves coarsely and closes in on what is left, until that no longer helps.
+std::optional<Eigen::AlignedBox3d> find_object(const Cones& cones) {
+    constexpr int depth = 5, most_rounds = 12;
+    auto cube = first_guess(cones);
+    if (!cube) return std::nullopt;
+    Eigen::AlignedBox3d box;
+    for (int round = 0; round < most_rounds; ++round) {
+        const Carved carved = carve(cones, *cube, depth);
+        const double edge = std::ldexp(cube->edge, -depth);
+        box = carved.inside;
+        for (const Cell& cell : carved.boundary) {
+            const Vec3 lower = cube->lower + edge * Vec3(cell[0], cell[1], cell[2]);
+            box.extend(lower);
+            box.extend(lower + Vec3::Constant(edge));
+        }
+        if (box.isEmpty()) return std::nullopt;
+        const double size = box.sizes().maxCoeff();
+        if (size > 0.8 * cube->edge) break;
+        cube = Cube{box.center() - Vec3::Constant(0.5 * size), size};
+    }
+    return box;
+}
+
+// The cube to carve finely: its cells have the edge asked for in pixels of the views, where `depth` allows.
+Cube fine_cube(const Cones& cones, const Eigen::AlignedBox3d& box, const HullOptions& options, int& depth) {
+    const Vec3 centre = box.center();
+    std::vector<double> pixel_sizes;
+    for (const SilhouetteCone& cone : cones)
+        if (const double size = cone.pixel_size(centre); size > 0.0) pixel_sizes.push_back(size);
+    const double extent = box.sizes().maxCoeff();
+    double cell = std::ldexp(extent, -options.max_depth);
+    if (!pixel_sizes.empty()) {
+        const auto median = pixel_sizes.begin() + static_cast<std::ptrdiff_t>(pixel_sizes.size() / 2);
+        std::nth_element(pixel_sizes.begin(), median, pixel_sizes.end());
+        cell = std::max(cell, options.pixels_per_cell * *median);
+    }
+    depth = std::clamp(static_cast<int>(std::ceil(std::log2(extent / cell))), 1, options.max_depth);
+    const double edge = std::max(extent, std::ldexp(cell, depth));
+    return Cube{centre - Vec3::Constant(0.5 * edge), edge};
+}
+
+// ---- from boundary cells to points
+
+enum Mark : std::uint8_t { unknown, needed, inside, outside };
+
+// What is known of the corners of the boundary cells: on a dense grid over just these cells, a byte a node.
+struct CornerGrid {
+    Vec3 lower;         // of node (0, 0, 0), world units
+    double edge = 0.0;  // of a cell
+    std::array<std::size_t, 3> size = {};
+    std::vector<Mark> marks;
+
+    std::size_t plane() const { return size[0] * size[1]; }
+    std::size_t node(std::size_t i, std::size_t j, std::size_t k) const { return k * plane() + j * size[0] + i; }
+    Vec3 position(std::size_t i, std::size_t j, std::size_t k) const {
+        return lower + edge * Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+    }
+};
+
+CornerGrid corners_of(const std::vector<Cell>& cells, const Cube& cube, int depth) {
+    Eigen::AlignedBox<int, 3> box;
+    for (const Cell& cell : cells) box.extend(Eigen::Vector3i(cell[0], cell[1], cell[2]));
+    CornerGrid grid;
+    grid.edge = std::ldexp(cube.edge, -depth);
+    grid.lower = cube.lower + grid.edge * box.min().cast<double>();
+    for (int axis = 0; axis < 3; ++axis)
+        grid.size[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(box.sizes()[axis] + 2);
+    grid.marks.assign(grid.plane() * grid.size[2], Mark::unknown);
+    for (const Cell& cell : cells)
+        for (int corner = 0; corner < 8; ++corner) {
+            const auto at = [&](int axis) {
+                return static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] - box.min()[axis] +
+                                                (corner >> axis & 1));
+            };
+            grid.marks[grid.node(at(0), at(1), at(2))] = Mark::needed;
+        }
+    return grid;
+}
+
+void evaluate_corners(const HullField& field, CornerGrid& grid) {
+    parallel_for(
+        grid.size[1] * grid.size[2],
+        [&](std::size_t row) {
+            const std::size_t j = row % grid.size[1], k = row / grid.size[1];
+            for (std::size_t i = 0; i < grid.size[0]; ++i) {
+                Mark& mark = grid.marks[grid.node(i, j, k)];
+                if (mark == Mark::needed) mark = field.is_inside(grid.position(i, j, k)) ? Mark::inside : Mark::outside;
+            }
+        },
+        4);
+}
+
+// The surface point between an inner and an outer point, by the Illinois variant of regula falsi (Dowell and Jarratt
+// 1971); the field may jump, so the bracket is kept.
+Vec3 crossing(const HullField& field, Vec3 in, Vec3 out) {
+    constexpr int n_steps = 4;
+    double field_in = field(in), field_out = field(out);
+    for (int step = 0; step < n_steps; ++step) {
+        const Vec3 middle = in + (out - in) * (field_in / (field_in - field_out));
+        const double value = field(middle);
+        if (value < 0.0) {
+            in = middle;
+            field_in = value;
+            field_out *= 0.5;
+        } else {
+            out = middle;
+            field_out = value;
+            field_in *= 0.5;
+        }
+    }
+    return in + (out - in) * (field_in / (field_in - field_out));
+}
+
+// One point for each edge of a boundary cell that the surface crosses. Such edges cut a surface element of normal n at
+// a rate of (|n_x| + |n_y| + |n_z|) / edge^2, whence the area of each point.
+std::vector<OrientedPoint> boundary_points(const HullField& field, const CornerGrid& grid) {
+    std::vector<std::vector<OrientedPoint>> of_row(grid.size[1] * grid.size[2]);
+    const auto try_edge = [&](const Vec3& from, Mark mark_from, int axis, Mark mark_to,
+                              std::vector<OrientedPoint>& points) {
+        if (mark_from < Mark::inside || mark_to < Mark::inside || mark_from == mark_to) return;
+        const Vec3 to = from + grid.edge * Vec3::Unit(axis);
+        OrientedPoint point;
+        point.position = mark_from == Mark::inside ? crossing(field, from, to) : crossing(field, to, from);
+        const Vec3 gradient = field.normal(point.position, 0.5 * grid.edge);
+        if (!(gradient.norm() > 0.0)) return;
+        point.normal = gradient.normalized();
+        point.area = grid.edge * grid.edge / point.normal.lpNorm<1>();
+        points.push_back(point);
+    };
+    parallel_for(
+        of_row.size(),
+        [&](std::size_t row) {
+            const std::size_t j = row % grid.size[1], k = row / grid.size[1];
+            for (std::size_t i = 0; i < grid.size[0]; ++i) {
+                const std::size_t node = grid.node(i, j, k);
+                const Mark mark = grid.marks[node];
+                const Vec3 from = grid.position(i, j, k);
+                if (i + 1 < grid.size[0]) try_edge(from, mark, 0, grid.marks[node + 1], of_row[row]);
+                if (j + 1 < grid.size[1]) try_edge(from, mark, 1, grid.marks[node + grid.size[0]], of_row[row]);
+                if (k + 1 < grid.size[2]) try_edge(from, mark, 2, grid.marks[node + grid.plane()], of_row[row]);
+            }
+        },
+        4);
+    std::vector<OrientedPoint> points;
+    for (const auto& row : of_row) points.insert(points.end(), row.begin(), row.end());
+    return points;
+}
+
+}  // namespace
+
+VisualHull visual_hull(const Capture& capture, const HullOptions& options) {
+    const Cones cones = make_cones(capture);
+    const auto box = find_object(cones);
+    if (!box) throw_no_common_inside(capture);
+    int depth = 0;
+    const Cube cube = fine_cube(cones, *box, options, depth);
+    CornerGrid grid = corners_of(carve(cones, cube, depth).boundary, cube, depth);
+    const HullField field(cones, 2.0 * grid.edge);
+    evaluate_corners(field, grid);
+
+    VisualHull hull;
+    hull.cell = grid.edge;
+    hull.points = boundary_points(field, grid);
+    if (hull.points.empty()) throw_no_common_inside(capture);
+    Eigen::AlignedBox3d tight;
+    for (const OrientedPoint& point : hull.points) tight.extend(point.position);
+    hull.lower = tight.min();
+    hull.upper = tight.max();
+    return hull;
+}
+
+}  // namespace anyrate
