@@ -43,6 +43,8 @@ pid_t spawn(const std::vector<std::string>& command, const FileHandle& standard_
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, standard_output.get(), STDOUT_FILENO);
+    // Sockets of clients are not the worker's business, nor would they close while it lives.
+    posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
     // A group of its own: Ctrl-C on the server's terminal reaches the server, which then tells its workers.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);

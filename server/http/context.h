@@ -1,0 +1,41 @@
+#pragma once
+#include <boost/asio/thread_pool.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "server/http/net.h"
+#include "server/http/service.h"
+#include "server/http/sessions.h"
+#include "server/jobs/model_events.h"
+
+namespace anyrate {
+
+/// Every wait has a deadline, every body a limit.
+struct HttpLimits {
+    std::size_t max_connections = 10'000;
+    std::size_t max_header_bytes = 16 * 1024;
+    std::uint64_t max_upload_bytes = 1ull << 30;
+    std::uint64_t max_small_body_bytes = 64 * 1024;  ///< of a request that takes no upload
+    std::chrono::seconds header_patience =
+        std::chrono::seconds(20);                                   ///< from one response to the end of the next header
+    std::chrono::seconds body_patience = std::chrono::seconds(30);  ///< for each 64 KB of a body
+    std::chrono::seconds write_patience = std::chrono::seconds(30);  ///< for a reader that takes nothing
+    std::size_t live_message_bytes = 16 * 1024;                      ///< frames are coalesced up to about this
+};
+
+/// What all connections share; outlives them.
+struct ServerContext {
+    Service& service;
+    const Router& router;
+    ModelEvents& events;
+    Sessions& sessions;
+    asio::thread_pool& quick_pool;  ///< catalog and files
+    asio::thread_pool& heavy_pool;  ///< decoding of meshes
+    HttpLimits limits;
+    std::string token;                            ///< empty: no authorisation
+    std::function<void(const std::string&)> log;  ///< takes a line for the operator
+};
+
+}  // namespace anyrate

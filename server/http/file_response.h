@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+
+#include "server/http/message.h"
+
+namespace anyrate {
+
+/// Bytes that may be asked for in part, and what a cache must know of them.
+struct Representation {
+    FileBody bytes;
+    std::string content_type;
+    std::string etag;           ///< strong, with its quotes
+    bool is_immutable = false;  ///< the same bytes for ever under this address
+};
+
+/// Answers a GET or HEAD: 200, 206 with If-Range looked at, 304 by If-None-Match, 416. No byte is encoded anew.
+/// @throws HttpProblem 416
+Response file_response(const Request& request, const Representation& representation);
+
+/// The Cache-Control field of bytes that never change, or may.
+std::string cache_control(bool is_immutable);
+
+}  // namespace anyrate

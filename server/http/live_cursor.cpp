@@ -1,0 +1,68 @@
+#include "server/http/live_cursor.h"
+
+#include <cstdio>
+
+#include "core/error.h"
+#include "proto/header.h"
+
+namespace anyrate {
+namespace {
+
+std::vector<std::byte> read_exactly(const LogView& log, std::uint64_t begin, std::uint64_t end) {
+    auto bytes = read_at(*log.file, begin, static_cast<std::size_t>(end - begin));
+    if (bytes.size() != end - begin) throw IoError("a log is shorter than its index says");
+    return bytes;
+}
+
+/// A sealed header promises an index behind it, which a live client does not get.
+std::vector<std::byte> live_header(const LogView& log) {
+    Header header = decode_header(read_exactly(log, 0, header_size));
+    header.sealed = false;
+    return encode_header(header);
+}
+
+}  // namespace
+
+std::string LiveCursor::hello(const LogView& log) {
+    log_id_ = log.log_id;
+    header_sent_ = next_ > 0;  // who resumes has it
+    char text[160];
+    std::snprintf(text, sizeof text, R"({"type":"hello","log_id":"%016llx","next_sequence":%u,"sealed":%s})",
+                  static_cast<unsigned long long>(log.log_id), next_, log.sealed ? "true" : "false");
+    return text;
+}
+
+std::size_t LiveCursor::last_row(const LogView& log) const {
+    return rows_for_budget(log.rows, VertexBudget{max_vertices_}, log.frames_begin);
+}
+
+std::optional<std::vector<std::byte>> LiveCursor::next_message(const LogView& log, std::size_t n_bytes) {
+    if (!header_sent_) {
+        header_sent_ = true;
+        return live_header(log);
+    }
+    const std::size_t last = last_row(log);
+    if (next_ < last) {
+        const std::uint64_t begin = log.frames_begin + (next_ == 0 ? 0 : log.rows[next_ - 1].end);
+        std::uint64_t end = begin;
+        while (next_ < last && end - begin < n_bytes) end = log.frames_begin + log.rows[next_++].end;
+        return read_exactly(log, begin, end);
+    }
+    // Behind the last row stands the end frame, which only a client with the whole log gets.
+    if (log.sealed && next_ == log.rows.size() && !end_sent_) {
+        end_sent_ = true;
+        const std::uint64_t begin = log.frames_begin + log.rows.back().end;
+        if (begin < log.size) return read_exactly(log, begin, log.size);
+    }
+    return std::nullopt;
+}
+
+bool LiveCursor::is_complete(const LogView& log) const {
+    if (!header_sent_) return false;
+    const std::size_t last = last_row(log);
+    // A budget inside a growing log is met only when a later frame shows that its colours are there.
+    if (last < log.rows.size()) return next_ >= last;
+    return log.sealed && (end_sent_ || next_ > log.rows.size());
+}
+
+}  // namespace anyrate

@@ -1,0 +1,154 @@
+#include "server/http/log_handlers.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "proto/log_reader.h"
+#include "server/http/file_response.h"
+#include "server/http/model_handlers.h"
+#include "server/http/problem.h"
+#include "server/http/query.h"
+#include "server/http/range.h"
+
+namespace anyrate {
+namespace {
+
+std::string hex(std::uint64_t number) {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(number));
+    return text;
+}
+
+/// A log grows and is sealed, but its first n bytes in one form never change: log id, form and length name the bytes.
+std::string etag_of(const LogView& log, std::uint64_t n_bytes, const char* suffix) {
+    std::string etag = "\"";
+    etag += hex(log.log_id) + (log.sealed ? "-s" : "-l") + std::to_string(n_bytes) + suffix + "\"";
+    return etag;
+}
+
+LogView expect_log(Service& service, const Request& request) {
+    const ModelRecord model = expect_model(service, request);
+    auto log = service.store.open_log(model.id);
+    if (log) return std::move(*log);
+    if (is_final(model.state))
+        throw HttpProblem(404, "model " + model.id + " has no log: it " + state_name(model.state) + ": " + model.error);
+    throw HttpProblem(404, "model " + model.id + " has no log yet: it is " + state_name(model.state),
+                      {{"Retry-After", "1"}});
+}
+
+std::uint64_t prefix_bytes(const LogView& log, const std::optional<Budget>& budget) {
+    return budget ? prefix_end(log.rows, *budget, log.frames_begin) : log.size;
+}
+
+bool prefers_json(const Request& request) {
+    return request.headers.find("Accept").value_or("").find("application/json") != std::string_view::npos;
+}
+
+nlohmann::ordered_json number_or_null(float value) {
+    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
+}
+
+std::string index_json(const LogView& log) {
+    nlohmann::ordered_json json = {{"log_id", hex(log.log_id)},
+                                   {"sealed", log.sealed},
+                                   {"frames_begin", log.frames_begin},
+                                   {"bytes", log.size},
+                                   {"rows", nlohmann::ordered_json::array()}};
+    for (const IndexRow& row : log.rows)
+        json["rows"].push_back({{"vertices", row.n_vertices},
+                                {"end", row.end},
+                                {"mean_distortion", number_or_null(row.mean_distortion)},
+                                {"max_distortion", number_or_null(row.max_distortion)}});
+    return json.dump() + "\n";
+}
+
+/// 304 if the client has these bytes already, else 200 with a body that is made now.
+template <class MakeBody>
+Response made_response(const Request& request, const LogView& log, const std::string& etag, const char* content_type,
+                       const MakeBody& make_body) {
+    Response response;
+    response.headers = {{"ETag", etag}, {"Cache-Control", cache_control(log.sealed)}, {"Vary", "Accept"}};
+    if (const auto known = request.headers.find("If-None-Match"); known && matches_etag(*known, etag)) {
+        response.status = 304;
+        return response;
+    }
+    response.headers.add("Content-Type", content_type);
+    response.body = make_body();
+    return response;
+}
+
+const char* content_type_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::ply:
+            return "application/octet-stream";
+        case MeshFormat::obj:
+            return "model/obj";
+        case MeshFormat::glb:
+            return "model/gltf-binary";
+    }
+    return "application/octet-stream";
+}
+
+const char* suffix_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::ply:
+            return "-ply";
+        case MeshFormat::obj:
+            return "-obj";
+        case MeshFormat::glb:
+            return "-glb";
+    }
+    return "";
+}
+
+}  // namespace
+
+Response serve_log(Service& service, const Request& request) {
+    expect_only(request, {"vertices", "bytes", "distortion"});
+    const auto budget = query_budget(request);
+    const LogView log = expect_log(service, request);
+    const std::uint64_t n_bytes = prefix_bytes(log, budget);
+    const Representation prefix{.bytes = {log.file, 0, n_bytes},
+                                .content_type = "model/vnd.anyrate",
+                                .etag = etag_of(log, n_bytes, ""),
+                                .is_immutable = log.sealed};
+    return file_response(request, prefix);
+}
+
+Response serve_index(Service& service, const Request& request) {
+    expect_only(request, {});
+    const LogView log = expect_log(service, request);
+    if (prefers_json(request))
+        return made_response(request, log, etag_of(log, log.size, "-json"), "application/json",
+                             [&] { return index_json(log); });
+    return made_response(request, log, etag_of(log, log.size, "-idx"), "application/octet-stream",
+                         [&] { return std::string(as_text(encode_index(log.log_id, log.rows))); });
+}
+
+Response serve_mesh(Service& service, const Request& request, MeshFormat format) {
+    expect_only(request, {"vertices", "bytes", "distortion"});
+    const auto budget = query_budget(request);
+    const LogView log = expect_log(service, request);
+    const std::uint64_t n_bytes = prefix_bytes(log, budget);
+    // Two vertex budgets inside one packet need the same bytes and give different meshes.
+    const auto* vertices = budget ? std::get_if<VertexBudget>(&*budget) : nullptr;
+    const std::string suffix = suffix_of(format) + (vertices ? "-v" + std::to_string(vertices->n_vertices) : "");
+    return made_response(request, log, etag_of(log, n_bytes, suffix.c_str()), content_type_of(format), [&] {
+        const auto prefix = read_at(*log.file, 0, static_cast<std::size_t>(n_bytes));
+        const Mesh mesh = decode_mesh(prefix, budget.value_or(VertexBudget{UINT32_MAX}));
+        return std::string(as_text(encode_mesh_file(mesh, format)));
+    });
+}
+
+Response serve_live(Service& service, const Request& request) {
+    expect_only(request, {"vertices", "from"});
+    LiveBody live;
+    live.max_vertices =
+        static_cast<std::uint32_t>(query_integer(request, "vertices", 1, UINT32_MAX).value_or(live.max_vertices));
+    live.from = static_cast<std::uint32_t>(query_integer(request, "from", 0, UINT32_MAX).value_or(0));
+    live.model_id = expect_model(service, request).id;
+    return {.status = 101, .headers = {}, .body = live};
+}
+
+}  // namespace anyrate

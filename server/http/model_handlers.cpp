@@ -1,0 +1,143 @@
+#include "server/http/model_handlers.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "server/http/model_json.h"
+#include "server/http/problem.h"
+#include "server/http/query.h"
+#include "server/store/model_id.h"
+
+namespace anyrate {
+namespace {
+
+constexpr std::size_t max_key = 255;
+
+Timestamp now() { return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now()); }
+
+Response json_response(int status, std::string json) {
+    return {.status = status,
+            .headers = {{"Content-Type", "application/json"}, {"Cache-Control", "no-store"}},
+            .body = std::move(json)};
+}
+
+ModelOptions query_options(const Request& request) {
+    expect_only(request, {"vertices", "coarse"});
+    ModelOptions options;
+    options.n_vertices = static_cast<int>(
+        query_integer(request, "vertices", 100, 1'000'000).value_or(static_cast<std::uint64_t>(options.n_vertices)));
+    const int default_coarse = std::min(options.n_coarse, options.n_vertices);
+    options.n_coarse = static_cast<int>(
+        query_integer(request, "coarse", 100, 1'000'000).value_or(static_cast<std::uint64_t>(default_coarse)));
+    if (options.n_coarse > options.n_vertices)
+        throw HttpProblem(400, "coarse=" + std::to_string(options.n_coarse) +
+                                   ": expected at most vertices=" + std::to_string(options.n_vertices));
+    return options;
+}
+
+std::string idempotency_key(const Request& request) {
+    const std::string key(request.headers.find("Idempotency-Key").value_or(""));
+    if (key.size() > max_key) throw HttpProblem(400, "the Idempotency-Key is longer than 255 bytes");
+    return key;
+}
+
+/// The media type without its parameters.
+std::string_view media_type(const Request& request) {
+    const std::string_view field = request.headers.find("Content-Type").value_or("");
+    const std::string_view type = field.substr(0, field.find(';'));
+    return type.substr(0, type.find_last_not_of(" \t") + 1);
+}
+
+void expect_zip(const Upload& upload) {
+    constexpr std::string_view local_file_header = "PK\x03\x04";
+    const auto start = read_at(open_if_exists(upload.file), 0, local_file_header.size());
+    if (upload.n_bytes == 0) throw HttpProblem(400, "the body is empty: expected a zip of a capture");
+    if (as_text(start) != local_file_header)
+        throw HttpProblem(400, "the body is no zip file: it does not begin with the bytes 50 4B 03 04");
+}
+
+/// What must be equal for a repeated key to mean the same request.
+std::string fingerprint(const ModelOptions& options, const Upload& upload) {
+    return "vertices=" + std::to_string(options.n_vertices) + "&coarse=" + std::to_string(options.n_coarse) +
+           "&bytes=" + std::to_string(upload.n_bytes);
+}
+
+Response accepted(Service& service, const std::string& id) {
+    const auto model = service.catalog.find(id);
+    if (!model) throw HttpProblem(404, "the model of this Idempotency-Key was deleted");
+    Response response = json_response(202, model_json(*model, {}));
+    response.headers.add("Location", "/v1/models/" + id);
+    return response;
+}
+
+}  // namespace
+
+void check_create_model(Service& service, const Request& request) {
+    query_options(request);
+    idempotency_key(request);
+    if (const auto type = media_type(request); type != "application/zip" && type != "application/octet-stream")
+        throw HttpProblem(415, "Content-Type \"" + std::string(type) + "\": expected application/zip");
+    if (service.store.free_bytes() < service.min_free_bytes)
+        throw HttpProblem(507, "the server's disk is full; delete models or try again later");
+}
+
+Response create_model(Service& service, const Request& request) {
+    const ModelOptions options = query_options(request);
+    const Upload& upload = request.upload.value();
+    expect_zip(upload);
+    const std::string id = new_model_id();
+    // The capture is in place before the catalog knows of it: a crash in between leaves a folder that the next start
+    // removes, never a model without its capture.
+    service.store.adopt_upload(upload.file, id);
+    const Added added = service.catalog.add({.id = id,
+                                             .options = options,
+                                             .idempotency_key = idempotency_key(request),
+                                             .request_fingerprint = fingerprint(options, upload)},
+                                            now());
+    if (added.kind != Added::Kind::made) service.store.remove(id);
+    if (added.kind == Added::Kind::key_reused)
+        throw HttpProblem(422, "this Idempotency-Key was used for another request");
+    service.on_queued();
+    return accepted(service, added.id);
+}
+
+Response list_models(Service& service, const Request& request) {
+    expect_only(request, {"limit", "after"});
+    const auto limit = query_integer(request, "limit", 1, 1000).value_or(100);
+    const auto after = request.query.find("after");
+    if (after != request.query.end() && !is_model_id(after->second))
+        throw HttpProblem(400, "after=" + after->second + ": expected the id of a model");
+    return json_response(200, model_list_json(service.catalog.list(static_cast<std::size_t>(limit),
+                                                                   after == request.query.end() ? "" : after->second)));
+}
+
+Response show_model(Service& service, const Request& request) {
+    expect_only(request, {});
+    const ModelRecord model = expect_model(service, request);
+    return json_response(200, model_json(model, service.catalog.curve(model.id)));
+}
+
+Response delete_model(Service& service, const Request& request) {
+    expect_only(request, {});
+    const ModelRecord model = expect_model(service, request);
+    service.catalog.remove(model.id);
+    service.on_removed(model.id);
+    service.store.remove(model.id);
+    return {.status = 204, .headers = {}, .body = {}};
+}
+
+Response watch_model(Service& service, const Request& request) {
+    expect_only(request, {});
+    return {.headers = {{"Content-Type", "text/event-stream"}, {"Cache-Control", "no-store"}},
+            .body = EventsBody{expect_model(service, request).id}};
+}
+
+ModelRecord expect_model(Service& service, const Request& request) {
+    const std::string& id = request.captured.at("id");
+    auto model = is_model_id(id) ? service.catalog.find(id) : std::nullopt;
+    if (!model) throw HttpProblem(404, "there is no model " + id);
+    return std::move(*model);
+}
+
+}  // namespace anyrate

@@ -1,0 +1,16 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include "server/store/catalog.h"
+
+namespace anyrate {
+
+/// A model as the interface shows it (proto/openapi.yaml, "Model"), with its rate-distortion curve.
+std::string model_json(const ModelRecord& model, std::span<const RatePoint> curve);
+/// A page of the list; models without their curves, "next" if there are more.
+std::string model_list_json(const ModelPage& page);
+/// "2026-01-31T12:00:00.000Z"
+std::string iso_time(Timestamp time);
+
+}  // namespace anyrate

@@ -1,0 +1,15 @@
+#pragma once
+#include "server/http/service.h"
+
+namespace anyrate {
+
+/// GET /: a plain page that lists the models and links their logs and meshes.
+Response front_page(Service& service, const Request& request);
+/// GET /healthz: the process answers.
+Response healthz(const Request& request);
+/// GET /readyz: the catalog answers and the disk has room. @throws HttpProblem 503 saying what is wrong
+Response readyz(Service& service, const Request& request);
+/// GET /openapi.yaml: proto/openapi.yaml as it was built in.
+Response openapi(const Request& request);
+
+}  // namespace anyrate

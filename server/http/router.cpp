@@ -1,0 +1,68 @@
+#include "server/http/router.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include "server/http/problem.h"
+
+namespace anyrate {
+namespace {
+
+using Captured = std::map<std::string, std::string>;
+
+/// Takes the next segment, without its slash, off a path.
+std::string_view next_segment(std::string_view& path) {
+    path.remove_prefix(1);
+    const auto end = std::min(path.find('/'), path.size());
+    const std::string_view segment = path.substr(0, end);
+    path.remove_prefix(end);
+    return segment;
+}
+
+bool is_name(std::string_view segment) { return segment.size() > 2 && segment.front() == '{' && segment.back() == '}'; }
+
+std::optional<Captured> match(std::string_view pattern, std::string_view path) {
+    Captured captured;
+    while (!pattern.empty() && !path.empty()) {
+        const std::string_view expected = next_segment(pattern), segment = next_segment(path);
+        if (is_name(expected) && !segment.empty())
+            captured.emplace(expected.substr(1, expected.size() - 2), segment);
+        else if (expected != segment)
+            return std::nullopt;
+    }
+    if (!pattern.empty() || !path.empty()) return std::nullopt;
+    return captured;
+}
+
+bool answers(const Route& route, const std::string& method) {
+    return route.method == method || (route.method == "GET" && method == "HEAD");
+}
+
+std::string joined(const std::set<std::string>& methods) {
+    std::string list;
+    for (const std::string& method : methods) list += (list.empty() ? "" : ", ") + method;
+    return list;
+}
+
+}  // namespace
+
+const Route& Router::find(Request& request) const {
+    std::set<std::string> allowed;
+    for (const Route& route : routes_) {
+        auto captured = match(route.pattern, request.path);
+        if (!captured) continue;
+        if (answers(route, request.method)) {
+            request.captured = std::move(*captured);
+            return route;
+        }
+        allowed.insert(route.method);
+        if (route.method == "GET") allowed.insert("HEAD");
+    }
+    if (allowed.empty()) throw HttpProblem(404, "there is nothing at " + request.path);
+    throw HttpProblem(405, request.method + " is not possible at " + request.path + "; possible: " + joined(allowed),
+                      {{"Allow", joined(allowed)}});
+}
+
+}  // namespace anyrate

@@ -1,0 +1,35 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/http/message.h"
+
+namespace anyrate {
+
+using Handler = std::function<Response(const Request&)>;
+
+struct Route {
+    std::string method;   ///< GET also answers HEAD
+    std::string pattern;  ///< "/v1/models/{id}/log": a {name} stands for one non-empty segment
+    Handler handle;
+    bool takes_upload = false;  ///< the body is streamed to a file before handle(); else there is none
+    bool is_heavy = false;      ///< computes for long: runs apart from the quick ones
+    std::function<void(const Request&)> check = {};  ///< of what can be refused before the body is read
+};
+
+/// Finds the route of a request.
+class Router {
+public:
+    explicit Router(std::vector<Route> routes) : routes_(std::move(routes)) {}
+
+    /// The route of a method and path; `request.captured` gets what its {names} stand for.
+    /// @throws HttpProblem 404 no route has the path, 405 (with Allow) one has, but not for this method
+    const Route& find(Request& request) const;
+
+private:
+    std::vector<Route> routes_;
+};
+
+}  // namespace anyrate

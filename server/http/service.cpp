@@ -1,0 +1,53 @@
+#include "server/http/service.h"
+
+#include <exception>
+#include <utility>
+
+#include "server/http/log_handlers.h"
+#include "server/http/model_handlers.h"
+#include "server/http/pages.h"
+#include "server/http/problem.h"
+
+namespace anyrate {
+
+Router make_router(Service& service) {
+    const auto with_service = [&service](Response (*handler)(Service&, const Request&)) {
+        return [&service, handler](const Request& request) { return handler(service, request); };
+    };
+    const auto mesh = [&service](MeshFormat format) {
+        return [&service, format](const Request& request) { return serve_mesh(service, request, format); };
+    };
+    return Router({
+        {"GET", "/", with_service(front_page)},
+        {"GET", "/healthz", healthz},
+        {"GET", "/readyz", with_service(readyz)},
+        {"GET", "/openapi.yaml", openapi},
+        {.method = "POST",
+         .pattern = "/v1/models",
+         .handle = with_service(create_model),
+         .takes_upload = true,
+         .check = [&service](const Request& request) { check_create_model(service, request); }},
+        {"GET", "/v1/models", with_service(list_models)},
+        {"GET", "/v1/models/{id}", with_service(show_model)},
+        {"DELETE", "/v1/models/{id}", with_service(delete_model)},
+        {"GET", "/v1/models/{id}/log", with_service(serve_log)},
+        {"GET", "/v1/models/{id}/index", with_service(serve_index)},
+        {"GET", "/v1/models/{id}/live", with_service(serve_live)},
+        {"GET", "/v1/models/{id}/events", with_service(watch_model)},
+        {.method = "GET", .pattern = "/v1/models/{id}/mesh.ply", .handle = mesh(MeshFormat::ply), .is_heavy = true},
+        {.method = "GET", .pattern = "/v1/models/{id}/mesh.obj", .handle = mesh(MeshFormat::obj), .is_heavy = true},
+        {.method = "GET", .pattern = "/v1/models/{id}/mesh.glb", .handle = mesh(MeshFormat::glb), .is_heavy = true},
+    });
+}
+
+Response answer(const Router& router, Request request) {
+    try {
+        const Route& route = router.find(request);
+        if (route.check) route.check(request);
+        return route.handle(request);
+    } catch (...) {
+        return problem_response(to_problem(std::current_exception()));
+    }
+}
+
+}  // namespace anyrate

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "server/http/router.h"
+#include "server/store/catalog.h"
+#include "server/store/model_store.h"
+
+namespace anyrate {
+
+/// What the handlers work on.
+struct Service {
+    Catalog& catalog;
+    ModelStore& store;
+    std::function<void()> on_queued;                        ///< a model is in the queue
+    std::function<void(const std::string& id)> on_removed;  ///< a model is gone from the catalog: end its worker
+    std::uint64_t min_free_bytes = 64u << 20;               ///< below this the server is not ready and takes no upload
+};
+
+/// Every route of the HTTP interface. `service` must outlive it.
+Router make_router(Service& service);
+
+/// Routes and answers one request without a socket; never throws: an exception becomes its problem document.
+Response answer(const Router& router, Request request);
+
+}  // namespace anyrate
