@@ -1,0 +1,158 @@
+#include "server/client/live_client.h"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "core/error.h"
+#include "proto/log_reader.h"
+#include "server/client/http_client.h"
+
+namespace anyrate {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using ErrorCode = boost::system::error_code;
+
+constexpr auto patience = std::chrono::seconds(30);
+
+/// A WebSocket whose every step has a deadline.
+class Socket {
+public:
+    Socket(const Url& server, const std::string& target) : socket_(io_) {
+        asio::ip::tcp::resolver resolver(io_);
+        ErrorCode error;
+        const auto addresses = resolver.resolve(server.host, server.port, error);
+        if (error) throw IoError("cannot find " + server.authority() + ": " + error.message());
+        auto& stream = beast::get_lowest_layer(socket_);
+        stream.expires_after(patience);
+        expect(run([&](auto done) { stream.async_connect(addresses, std::move(done)); }));
+        stream.expires_never();
+        socket_.set_option(websocket::stream_base::timeout{
+            .handshake_timeout = patience, .idle_timeout = patience * 2, .keep_alive_pings = true});
+        socket_.read_message_max(80u << 20);  // a frame is 64 MB at most (FORMAT.md, "Limits")
+        handshake(server, target);
+    }
+
+    struct Message {
+        bool is_text = false;
+        std::string bytes;
+    };
+    /// The next message. @throws IoError the connection is over
+    Message read() {
+        beast::flat_buffer buffer;
+        expect(run([&](auto done) { socket_.async_read(buffer, std::move(done)); }));
+        return {socket_.got_text(), beast::buffers_to_string(buffer.data())};
+    }
+
+private:
+    void handshake(const Url& server, const std::string& target) {
+        websocket::response_type response;
+        const ErrorCode error =
+            run([&](auto done) { socket_.async_handshake(response, server.authority(), target, std::move(done)); });
+        const int status = static_cast<int>(response.result_int());
+        if (error == websocket::error::upgrade_declined && status >= 400 && status < 500)
+            throw InputError(problem_sentence(status, response.body()));
+        expect(error);
+    }
+    template <class Start>
+    ErrorCode run(const Start& start) {
+        ErrorCode result = asio::error::would_block;
+        start([&result](ErrorCode error, auto&&...) { result = error; });
+        io_.restart();
+        io_.run();
+        return result;
+    }
+    static void expect(ErrorCode error) {
+        if (error) throw IoError("the live connection broke: " + error.message());
+    }
+
+    asio::io_context io_{1};
+    websocket::stream<beast::tcp_stream> socket_;
+};
+
+/// What a client has of a log, and whether it was told the end.
+struct Follower {
+    std::string log_id;
+    std::vector<std::byte> log;
+    bool has_ended = false;
+
+    /// Frames end where their messages end, so what is here is whole frames always.
+    std::uint32_t next_sequence() const {
+        std::uint32_t next = 0;
+        if (!log.empty())
+            for (const FrameInfo& frame : read_layout(log).frames) next = frame.sequence + 1;
+        return next;
+    }
+
+    void take_text(const std::string& text) {
+        const auto message = nlohmann::json::parse(text, nullptr, false);
+        const std::string type = message.is_object() ? message.value("type", "") : "";
+        if (type == "hello" && message.value("log_id", "") != log_id) begin(message);
+        if (type == "end") end(message);
+    }
+    void take_frames(const std::string& bytes) {
+        const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+        log.insert(log.end(), begin, begin + bytes.size());
+    }
+
+private:
+    void begin(const nlohmann::json& hello) {
+        const bool resumes = hello.value("next_sequence", 0u) > 0;
+        log.clear();
+        log_id = resumes ? "" : hello.value("log_id", "");
+        if (resumes) throw IoError("the log was begun anew");
+    }
+    void end(const nlohmann::json& message) {
+        has_ended = true;
+        const std::string state = message.value("state", "");
+        if (state == "failed" || state == "cancelled" || state == "deleted")
+            throw InputError("the model " + state + ": " + message.value("error", "there will be no log"));
+    }
+};
+
+/// Follows over one connection until it ends. @throws IoError it broke
+void follow_once(Follower& follower, const Url& server, const std::string& model_target, const LiveOptions& options,
+                 ArrivalTrace& trace) {
+    Socket socket(server, model_target + "/live?vertices=" + std::to_string(options.max_vertices) +
+                              "&from=" + std::to_string(follower.next_sequence()));
+    while (!follower.has_ended) {
+        const Socket::Message message = socket.read();
+        if (message.is_text) {
+            follower.take_text(message.bytes);
+        } else {
+            follower.take_frames(message.bytes);
+            trace.note(follower.log.size());
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<std::byte> follow_live(const Url& server, const std::string& model_target, const LiveOptions& options,
+                                   ArrivalTrace& trace) {
+    Follower follower;
+    int n_failures = 0;
+    while (!follower.has_ended) {
+        const std::size_t before = follower.log.size();
+        try {
+            follow_once(follower, server, model_target, options, trace);
+        } catch (const IoError&) {
+            n_failures = follower.log.size() > before ? 1 : n_failures + 1;
+            if (n_failures > options.max_reconnects) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(100) * (1 << std::min(n_failures, 5)));
+        }
+    }
+    return std::move(follower.log);
+}
+
+}  // namespace anyrate

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "server/client/url.h"
+
+namespace anyrate {
+
+struct PushOptions {
+    std::optional<int> n_vertices;
+    std::string token;  ///< empty for a server without one
+};
+
+/// Uploads a capture, a folder or a zip. A request that broke is repeated; the server makes one model all the same.
+/// @return the id of the model @throws InputError the server refuses, with its sentence; IoError
+std::string push_capture(const Url& server, const std::filesystem::path& capture, const PushOptions& options);
+
+/// A model's state as the server tells it.
+struct RemoteState {
+    std::string state, stage, error;
+    double fraction = 0;
+    std::uint64_t n_vertices = 0, n_bytes = 0;
+};
+
+/// Asks for the state twice a second until it is final. @param on_change  called at each new answer
+/// @throws InputError there is no such model, IoError the server does not answer for a minute
+RemoteState wait_for_model(const Url& server, const std::string& id,
+                           const std::function<void(const RemoteState&)>& on_change);
+
+}  // namespace anyrate

@@ -1,0 +1,32 @@
+#include "server/client/trace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace anyrate {
+
+void ArrivalTrace::note(std::uint64_t n_bytes) {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
+    arrivals_.push_back({elapsed.count(), n_bytes});
+}
+
+std::string ArrivalTrace::to_json(std::span<const IndexRow> rows, std::uint64_t frames_begin) const {
+    nlohmann::ordered_json json = {{"frames", nlohmann::ordered_json::array()}};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const std::uint64_t end = frames_begin + rows[i].end;
+        const auto arrival =
+            std::find_if(arrivals_.begin(), arrivals_.end(), [&](const Arrival& a) { return a.n_bytes >= end; });
+        if (arrival == arrivals_.end()) break;
+        nlohmann::ordered_json distortion;
+        if (!std::isnan(rows[i].mean_distortion)) distortion = rows[i].mean_distortion;
+        json["frames"].push_back({{"sequence", i},
+                                  {"seconds", arrival->seconds},
+                                  {"bytes", end},
+                                  {"vertices", rows[i].n_vertices},
+                                  {"distortion", distortion}});
+    }
+    return json.dump(1) + "\n";
+}
+
+}  // namespace anyrate

@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace anyrate {
+
+/// An http:// address taken apart.
+struct Url {
+    std::string host;
+    std::string port = "80";
+    std::string target = "/";  ///< path and query, as it stands in the address
+
+    /// "host:port" as the Host field wants it.
+    std::string authority() const;
+};
+
+/// @throws InputError no http:// address, or one with a user name
+Url parse_url(std::string_view text);
+
+/// The target without its query.
+std::string path_of(const Url& url);
+
+}  // namespace anyrate
