@@ -10,8 +10,8 @@ namespace anyrate {
 
 /// Quantiser steps of colour residuals, 8-bit units (proto/FORMAT.md, "Colours").
 struct ColourSteps {
-    int luma = 5;
-    int chroma = 10;
+    int luma = 4;
+    int chroma = 6;
     friend bool operator==(const ColourSteps&, const ColourSteps&) = default;
 };
 
