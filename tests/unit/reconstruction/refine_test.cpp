@@ -1,0 +1,165 @@
+#include "core/reconstruction/refine.h"
+
+#include <doctest/doctest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/mesh/topology.h"
+#include "core/reconstruction/batch_selection.h"
+#include "core/simulation/parametric_meshes.h"
+#include "eq_test_scenes.h"
+
+using namespace anyrate;
+
+namespace {
+
+/// Keeps what it is told, and replays it as a decoder would.
+class Recorder final : public ModelSink {
+public:
+    BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override {
+        replayed.emplace(base, grid, rules);
+        return base;
+    }
+    void base_attributes(std::span<const Rgb8> colours, const DistortionPoint& distortion) override {
+        n_colours = colours.size();
+        psi.push_back(distortion.mean);
+    }
+    void batch(std::span<const SplitRecord> batch, const RefinableMesh& state, std::span<const Rgb8> colours,
+               const DistortionPoint& distortion) override {
+        for (const SplitRecord& record : batch) replayed->apply(record);
+        records.insert(records.end(), batch.begin(), batch.end());
+        closed_loop = closed_loop && replayed->state_hash() == state.state_hash();
+        n_colours += colours.size();
+        psi.push_back(distortion.mean);
+    }
+    void finish() override { finished = true; }
+
+    std::optional<RefinableMesh> replayed;
+    std::vector<SplitRecord> records;
+    std::vector<double> psi;
+    std::size_t n_colours = 0;
+    bool closed_loop = true, finished = false;
+};
+
+const Capture& capture() {
+    static const Capture sphere = painted_sphere(10, 128, wavy_paint);
+    return sphere;
+}
+
+const ReconstructOptions small{.n_vertices = 900, .n_coarse = 300, .seed = 1, .method = Method::refine};
+
+BaseMesh on_grid(const Mesh& mesh, const Grid& grid) {
+    BaseMesh base;
+    base.triangles = mesh.triangles;
+    for (const Vec3& v : mesh.vertices) {
+        const Vec3 p = (v - grid.origin) / grid.unit / 4;
+        base.positions.push_back({4 * static_cast<int>(std::lround(p.x())), 4 * static_cast<int>(std::lround(p.y())),
+                                  4 * static_cast<int>(std::lround(p.z()))});
+    }
+    return base;
+}
+
+const Grid unit_grid{Vec3(-1.2, -1.2, -1.2), 2.4 / 16383, 14, 2};
+
+}  // namespace
+
+TEST_CASE("Batch: its splits share no vertex, have positive scores and come in ascending order") {
+    const RefinableMesh mesh(on_grid(icosphere(3), unit_grid), unit_grid, {});
+    std::vector<double> scores(static_cast<std::size_t>(mesh.n_faces()));
+    for (std::size_t f = 0; f < scores.size(); ++f) scores[f] = std::sin(static_cast<double>(f));
+    const auto batch = select_batch(mesh, scores, 40);
+    CHECK(batch.size() == 40);
+    std::vector<int> moved(static_cast<std::size_t>(mesh.n_vertices()), 0);
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+        CHECK(scores[static_cast<std::size_t>(batch[k])] > 0);
+        if (k > 0) CHECK(batch[k - 1] < batch[k]);
+        const auto site = mesh.split_site(batch[k]);
+        REQUIRE(site.has_value());
+        for (std::int32_t v : *site) CHECK(++moved[static_cast<std::size_t>(v)] == 1);
+    }
+}
+
+TEST_CASE("Batch: the highest score is always taken") {
+    const RefinableMesh mesh(on_grid(icosphere(2), unit_grid), unit_grid, {});
+    std::vector<double> scores(static_cast<std::size_t>(mesh.n_faces()), 1.0);
+    scores[77] = 2.0;
+    CHECK(select_batch(mesh, scores, 1) == std::vector<std::int32_t>{77});
+    CHECK(select_batch(mesh, std::vector<double>(scores.size(), 0.0), 5).empty());
+}
+
+TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {
+    Recorder recorder;
+    const ReconstructResult result = reconstruct(capture(), small, recorder);
+    REQUIRE(recorder.finished);
+    CHECK(recorder.closed_loop);
+    const int n = recorder.replayed->n_vertices();
+    CHECK(n <= small.n_vertices);
+    CHECK(n >= small.n_vertices - 2);
+    CHECK(recorder.n_colours == static_cast<std::size_t>(n));
+    const Topology topology = measure_topology(recorder.replayed->to_mesh());
+    CHECK(topology.is_closed_manifold());
+    CHECK(topology.n_components == 1);
+    CHECK(topology.euler == 2);
+    CHECK(result.curve.size() == recorder.psi.size());
+    CHECK(result.curve.back().n_vertices == n);
+}
+
+TEST_CASE("Reconstruct: the surface comes nearer to the sphere than its silhouettes tell") {
+    Recorder recorder;
+    reconstruct(capture(), small, recorder);
+    double error = 0;
+    int n_seen = 0;
+    for (const Vec3& v : recorder.replayed->to_mesh().vertices)
+        if (std::abs(v.z()) < 0.6) {
+            error += std::abs(v.norm() - 1.0);
+            ++n_seen;
+        }
+    CHECK(error / n_seen < 0.25 / 50);  // a quarter of a pixel
+}
+
+TEST_CASE("Reconstruct: Psi at the end is below that of the coarse mesh and of plain surface flow") {
+    Recorder refined, flowed;
+    reconstruct(capture(), small, refined);
+    ReconstructOptions flow = small;
+    flow.method = Method::flow;
+    reconstruct(capture(), flow, flowed);
+    CHECK(refined.psi.back() < refined.psi.front());
+    CHECK(refined.psi.back() < flowed.psi.back());
+    CHECK(flowed.replayed->n_vertices() == doctest::Approx(small.n_vertices).epsilon(0.02));
+    CHECK(flowed.records.empty());
+}
+
+TEST_CASE("Reconstruct: one and two threads write the same records") {
+    const auto run = [](std::size_t n_threads) {
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, n_threads);
+        Recorder recorder;
+        reconstruct(capture(), small, recorder);
+        return std::pair(recorder.records, recorder.replayed->state_hash());
+    };
+    CHECK(run(1) == run(2));
+}
+
+TEST_CASE("Reconstruct: a stop leaves a finished model that ends at a whole batch") {
+    Recorder recorder;
+    std::stop_source stop;
+    const auto stop_in_refinement = [&](const Progress& p) {
+        if (p.stage == Stage::refine && p.n_vertices > 400) stop.request_stop();
+    };
+    const ReconstructResult result = reconstruct(capture(), small, recorder, stop_in_refinement, stop.get_token());
+    CHECK(result.stopped);
+    CHECK(recorder.finished);
+    CHECK(recorder.replayed->n_vertices() < small.n_vertices);
+    CHECK(recorder.replayed->n_vertices() > small.n_coarse);
+}
+
+TEST_CASE("Reconstruct: counts out of range are refused with what was expected") {
+    Recorder recorder;
+    ReconstructOptions options = small;
+    options.n_coarse = 5;
+    CHECK_THROWS_AS(reconstruct(capture(), options, recorder), InputError);
+    options = small;
+    options.n_vertices = options.n_coarse - 1;
+    CHECK_THROWS_AS(reconstruct(capture(), options, recorder), InputError);
+}

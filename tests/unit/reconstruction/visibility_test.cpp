@@ -1,0 +1,85 @@
+#include "core/reconstruction/visibility.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "core/simulation/parametric_meshes.h"
+#include "eq_test_scenes.h"
+
+using namespace anyrate;
+
+namespace {
+
+PhotoImages ring_of_views(int n_views, double scale = 1.0, const Vec3& origin = Vec3::Zero()) {
+    Capture capture = painted_sphere(n_views, 128, wavy_paint);
+    for (View& view : capture.views) {
+        // The same pictures of a world that is larger and elsewhere.
+        view.camera.t = scale * view.camera.t - view.camera.R * origin;
+    }
+    return make_photo_images(capture, 2);
+}
+
+Mesh join(const Mesh& a, const Mesh& b) {
+    Mesh both = a;
+    both.vertices.insert(both.vertices.end(), b.vertices.begin(), b.vertices.end());
+    for (Triangle t : b.triangles) {
+        for (std::int32_t& v : t) v += a.n_vertices();
+        both.triangles.push_back(t);
+    }
+    return both;
+}
+
+}  // namespace
+
+TEST_CASE("Visibility: a convex surface is seen exactly by the views its faces look at") {
+    const PhotoImages images = ring_of_views(6);
+    const Mesh mesh = icosphere(3);
+    const VisibilityOptions options;
+    const Visibility visibility(images, mesh, options);
+    for (std::int32_t f = 0; f < mesh.n_faces(); ++f) {
+        const Triangle& t = mesh.triangles[static_cast<std::size_t>(f)];
+        const Vec3 a = mesh.vertices[static_cast<std::size_t>(t[0])], b = mesh.vertices[static_cast<std::size_t>(t[1])],
+                   c = mesh.vertices[static_cast<std::size_t>(t[2])];
+        const Vec3 normal = (b - a).cross(c - a).normalized(), centroid = (a + b + c) / 3;
+        for (std::int32_t i = 0; i < images.n_views(); ++i) {
+            const double cos_theta =
+                normal.dot((images.views[static_cast<std::size_t>(i)].centre - centroid).normalized());
+            const auto views = visibility.views(f);
+            const bool seen = std::any_of(views.begin(), views.end(), [i](const FaceView& v) { return v.view == i; });
+            if (cos_theta > options.min_cos + 1e-9) CHECK(seen);
+            if (cos_theta < options.min_cos - 1e-9) CHECK_FALSE(seen);
+        }
+    }
+}
+
+TEST_CASE("Visibility: what stands behind something else is not seen, at any scale and place of the world") {
+    for (const auto& [scale, origin] :
+         {std::pair{1.0, Vec3(0, 0, 0)}, {1e-3, Vec3(5, 0, 0)}, {1e3, Vec3(-7e4, 2e4, 1e3)}}) {
+        const PhotoImages images = ring_of_views(4, scale, origin);
+        // A small sphere behind a larger one, as view 0 sees them.
+        const Vec3 away = -(images.views[0].centre - origin).normalized();
+        const Mesh front = icosphere(3, 0.5 * scale, origin);
+        const Mesh hidden = icosphere(2, 0.1 * scale, origin + 0.8 * scale * away);
+        const Visibility visibility(images, join(front, hidden));
+        int n_seen_front = 0;
+        for (std::int32_t f = 0; f < front.n_faces() + hidden.n_faces(); ++f)
+            for (const FaceView& view : visibility.views(f))
+                if (view.view == 0) {
+                    CHECK(f < front.n_faces());
+                    ++n_seen_front;
+                }
+        CHECK(n_seen_front > front.n_faces() / 4);
+    }
+}
+
+TEST_CASE("Visibility: depth is the distance along the optical axis") {
+    const PhotoImages images = ring_of_views(3);
+    const Mesh mesh = icosphere(5);
+    const PhotoLevel& level = images.views[0].levels[0];
+    const Image<float> depth = render_depth(level, mesh);
+    // The ray through the principal point meets the unit sphere one radius before its centre.
+    const double distance = images.views[0].centre.norm();
+    CHECK(depth(63, 63) == doctest::Approx(distance - 1).epsilon(2e-3));
+    CHECK(std::isinf(depth(0, 0)));
+}
