@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "core/capture/capture.h"
@@ -6,11 +7,11 @@
 
 namespace anyrate {
 
-/// Tells which points of a surface the cameras of a capture see, by coarse depth images of that surface: of the true
-/// surface, on which a reconstruction is to be judged only where it was photographed.
+/// Tells which points of a surface the cameras of a capture see. Meant for the true surface, on which a reconstruction
+/// is to be judged only where it was photographed: coarse, so that the edge of what is hidden is judged generously.
 class Sight {
 public:
-    /// @param surface  what hides what; closed, world units
+    /// @param surface  what hides what, world units. @throws InputError if it has no area
     Sight(const Capture& capture, const Mesh& surface);
 
     /// Number of views in which no part of the surface is in front of `point`, which is on it or near it.
@@ -18,8 +19,15 @@ public:
 
 private:
     struct DepthView {
-        Mat34 P;  ///< to pixels of `depth`, convention of camera.h
-        Image<float> depth;
+        Mat34 P;             ///< to cells of `depth`, cell (x, y) covering [x, x + 1) x [y, y + 1)
+        Image<float> depth;  ///< of the surface nearest to the camera anywhere in the cell, world units
+
+        /// The cell a point falls into and its depth there; nothing if it is behind the camera or out of the image.
+        struct Hit {
+            int x = 0, y = 0;
+            float depth = 0;
+        };
+        std::optional<Hit> project(const Vec3& point) const;
     };
     std::vector<DepthView> views_;
     double tolerance_ = 0;  ///< world units
