@@ -38,6 +38,10 @@ int main(int argc, char** argv) {
     anyrate::add_verify(app, command);
     anyrate::add_compare(app, command);
     anyrate::add_simulate(app, command);
+    anyrate::add_serve(app, command);
+    anyrate::add_worker(app, command);
+    anyrate::add_push(app, command);
+    anyrate::add_fetch(app, command);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -109,10 +109,11 @@ Response serve_log(Service& service, const Request& request) {
     const auto budget = query_budget(request);
     const LogView log = expect_log(service, request);
     const std::uint64_t n_bytes = prefix_bytes(log, budget);
-    const Representation prefix{.bytes = {log.file, 0, n_bytes},
-                                .content_type = "model/vnd.anyrate",
-                                .etag = etag_of(log, n_bytes, ""),
-                                .is_immutable = log.sealed};
+    Representation prefix;
+    prefix.bytes = FileBody{log.file, 0, n_bytes};
+    prefix.content_type = "model/vnd.anyrate";
+    prefix.etag = etag_of(log, n_bytes, "");
+    prefix.is_immutable = log.sealed;
     return file_response(request, prefix);
 }
 
