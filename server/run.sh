@@ -3,7 +3,7 @@
 # and prints the server's address. What is there already is not made again.
 #
 # usage: server/run.sh [--once]      --once checks that the server answers and ends; otherwise Ctrl-C ends it
-# environment: ANYRATE_LISTEN, where to listen (default 127.0.0.1:8080)
+# environment: ANYRATE_LISTEN, where to listen (default 127.0.0.1:8080; with --once any free port)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 once=false
@@ -13,8 +13,7 @@ case "${1:-}" in
     *) echo "usage: server/run.sh [--once]" >&2; exit 2 ;;
 esac
 
-listen=${ANYRATE_LISTEN:-127.0.0.1:8080}
-url=http://$listen
+listen=${ANYRATE_LISTEN:-127.0.0.1:$($once && echo 0 || echo 8080)}
 demo=build/demo
 anyrate=build/anyrate
 n_vertices=10000
@@ -38,12 +37,14 @@ echo "== serve"
 "$anyrate" serve --listen "$listen" --data "$demo/data" >"$demo/serve.log" 2>&1 &
 server=$!
 trap 'kill "$server" 2>/dev/null && wait "$server" || true' EXIT
+url=
 for _ in $(seq 100); do
     if ! kill -0 "$server" 2>/dev/null; then
         tail -n 5 "$demo/serve.log" >&2
         exit 1
     fi
-    curl -fsS "$url/healthz" >/dev/null 2>&1 && break
+    url=$(sed -n 's/^listening on //p' "$demo/serve.log")
+    [ -n "$url" ] && break
     sleep 0.1
 done
 curl -fsS "$url/healthz" >/dev/null
