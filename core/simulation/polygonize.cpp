@@ -135,21 +135,15 @@ void march_around_edge(Marcher& marcher, const Lattice& lattice, const Node& cor
     for (int i = 0; i < 4; ++i) marcher.march({corner, end, ring[i], ring[(i + 1) % 4]});
 }
 
-Vec3 gradient(const Field& field, const Vec3& p, double step) {
-    Vec3 g;
-    for (int axis = 0; axis < 3; ++axis) {
-        const Vec3 h = step * Vec3::Unit(axis);
-        g[axis] = (field(p + h) - field(p - h)) / (2 * step);
-    }
-    return g;
-}
-
-/// Newton's method along the gradient. A step is at most a quarter of a cell: at a crease the gradient may mislead.
+/// Newton's method along the gradient, taken by forward differences. A step is at most a quarter of a cell: at a crease
+/// the gradient may mislead.
 Vec3 onto_surface(const Field& field, Vec3 p, double cell, int steps) {
+    const double h = 1e-4 * cell, longest = 0.25 * cell;
     for (int i = 0; i < steps; ++i) {
-        const Vec3 g = gradient(field, p, 1e-3 * cell);
-        Vec3 step = -field(p) / std::max(g.squaredNorm(), 1e-6) * g;
-        const double longest = 0.25 * cell;
+        const double value = field(p);
+        Vec3 gradient;
+        for (int axis = 0; axis < 3; ++axis) gradient[axis] = (field(p + h * Vec3::Unit(axis)) - value) / h;
+        Vec3 step = -value / std::max(gradient.squaredNorm(), 1e-6) * gradient;
         if (step.norm() > longest) step *= longest / step.norm();
         p += step;
     }
@@ -186,10 +180,10 @@ Mesh polygonize(const Field& field, const PolygonizeOptions& options) {
         }
     }
     Mesh mesh = marcher.take();
-    constexpr int n_slides = 4;  // turns the slivers of the raw surface into fair triangles; more changes little
+    constexpr int n_slides = 3;  // turns the slivers of the raw surface into fair triangles; more changes little
     for (int slide = 0; slide <= n_slides; ++slide) {
         if (slide > 0) mesh.vertices = neighbour_means(mesh);
-        const int newton_steps = slide < n_slides ? 1 : 4;
+        const int newton_steps = slide < n_slides ? 1 : 3;
         parallel_for(mesh.vertices.size(), [&](std::size_t v) {
             mesh.vertices[v] = onto_surface(field, mesh.vertices[v], options.cell, newton_steps);
         });

@@ -1,5 +1,6 @@
 #include "core/simulation/render.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

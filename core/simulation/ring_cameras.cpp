@@ -1,5 +1,6 @@
 #include "core/simulation/ring_cameras.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

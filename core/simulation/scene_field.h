@@ -19,6 +19,9 @@ inline double smooth_min(double a, double b, double radius) {
 /// Intersection of two solids, its edges rounded likewise.
 inline double smooth_max(double a, double b, double radius) { return -smooth_min(-a, -b, radius); }
 
+/// Length of a vector in the plane. Not std::hypot, whose care for overflow takes a fifth of the rendering time.
+inline double length(double x, double y) { return std::sqrt(x * x + y * y); }
+
 /// 0 below `low`, 1 above `high`, a cubic between.
 inline double smooth_step(double low, double high, double x) {
     const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);

@@ -26,36 +26,47 @@ namespace {
 struct Placement {
     double scale = 1;
     Vec3 origin = Vec3::Zero();
+
+    Vec3 world_from_solid(const Vec3& point) const { return scale * point + origin; }
+    Vec3 solid_from_world(const Vec3& point) const { return (point - origin) / scale; }
 };
 
-/// A solid in its own coordinates (size about one, z up) and its place.
-struct Scene {
-    Mesh surface;
-    SolidTexture texture;
-    Placement placement;
-};
+/// The photographed object: its surface in world coordinates under a texture that knows the solid's own, which have
+/// size about one.
+Model textured(Mesh surface_in_world, SolidTexture texture, const Placement& placement) {
+    Model model{.surface = std::move(surface_in_world), .normals = {}, .appearance = {}};
+    model.normals = vertex_normals(model.surface);
+    model.appearance = [placement, texture = std::move(texture)](const Vec3& point, const Vec3& normal) -> Vec3 {
+        return texture(placement.solid_from_world(point)) * studio_light(normal);
+    };
+    return model;
+}
+
+Mesh moved(Mesh solid, const Placement& placement) {
+    for (Vec3& vertex : solid.vertices) vertex = placement.world_from_solid(vertex);
+    return solid;
+}
 
 /// Millimetres on a shelf: neither the size nor the place may matter to a reconstruction.
-Scene vessel_scene() {
-    return {
-        .surface = polygonize(vessel_field, {.low = {-0.86, -0.74, -1.08}, .high = {0.86, 0.74, 1.08}, .cell = 0.0215}),
-        .texture = vessel_paint(2),
-        .placement = {.scale = 155.0, .origin = {1240.0, -530.0, 905.0}}};
+Model vessel_scene() {
+    const Placement placement{.scale = 155.0, .origin = {1240.0, -530.0, 905.0}};
+    Mesh vessel = polygonize(vessel_field, {.low = {-0.86, -0.74, -1.08}, .high = {0.86, 0.74, 1.08}, .cell = 0.0215});
+    return textured(moved(std::move(vessel), placement), vessel_paint(2), placement);
 }
 
-Scene dish_scene() {
-    return {.surface = polygonize(dish_field, {.low = {-1.2, -1.2, -0.8}, .high = {1.2, 1.2, 0.6}, .cell = 0.024}),
-            .texture = veined_stone(3),
-            .placement = {.scale = 0.12, .origin = {0.4, 0.1, -0.2}}};
+Model dish_scene() {
+    const Placement placement{.scale = 0.12, .origin = {0.4, 0.1, -0.2}};
+    Mesh dish = polygonize(dish_field, {.low = {-1.2, -1.2, -0.8}, .high = {1.2, 1.2, 0.6}, .cell = 0.034});
+    return textured(moved(std::move(dish), placement), veined_stone(3), placement);
 }
 
-Scene sphere_scene() { return {.surface = icosphere(5), .texture = veined_stone(4), .placement = {}}; }
+Model sphere_scene() { return textured(icosphere(5), veined_stone(4), {}); }
 
-Scene torus_scene() { return {.surface = torus(0.75, 0.30, 240, 96), .texture = veined_stone(5), .placement = {}}; }
+Model torus_scene() { return textured(torus(0.75, 0.30, 240, 96), veined_stone(5), {}); }
 
 struct NamedScene {
     std::string_view name;
-    Scene (*make)();
+    Model (*make)();
 };
 constexpr std::array<NamedScene, 4> scenes{
     {{"vessel", vessel_scene}, {"dish", dish_scene}, {"sphere", sphere_scene}, {"torus", torus_scene}}};
@@ -71,18 +82,6 @@ void check(const SimulateOptions& options) {
     require(options.noise >= 0, "expected noise of at least 0, got " + std::to_string(options.noise));
     require(options.supersampling >= 1 && options.supersampling <= 16,
             "expected a supersampling of 1 to 16, got " + std::to_string(options.supersampling));
-}
-
-/// The scene's surface where it stands, and what it looks like there.
-Model place(Scene scene) {
-    const Placement at = scene.placement;
-    Model model{.surface = std::move(scene.surface), .normals = {}, .appearance = {}};
-    for (Vec3& vertex : model.surface.vertices) vertex = at.scale * vertex + at.origin;
-    model.normals = vertex_normals(model.surface);
-    model.appearance = [at, texture = std::move(scene.texture)](const Vec3& point, const Vec3& normal) -> Vec3 {
-        return texture((point - at.origin) / at.scale) * studio_light(normal);
-    };
-    return model;
 }
 
 std::string image_name(int view) {
@@ -114,16 +113,14 @@ Simulation photograph(std::string name, Model model, const SimulateOptions& opti
     return simulation;
 }
 
-/// Brings any mesh to size one around the origin, so that the solid texture suits its size.
-Scene normalised(Mesh mesh) {
+/// The place of a solid of size one that fills the mesh's bounding box.
+Placement placement_of(const Mesh& mesh) {
     Vec3 low = mesh.vertices.front(), high = low;
     for (const Vec3& vertex : mesh.vertices) {
         low = low.cwiseMin(vertex);
         high = high.cwiseMax(vertex);
     }
-    const Placement placement{.scale = 0.5 * (high - low).norm(), .origin = 0.5 * (low + high)};
-    for (Vec3& vertex : mesh.vertices) vertex = (vertex - placement.origin) / placement.scale;
-    return {.surface = std::move(mesh), .texture = veined_stone(6), .placement = placement};
+    return {.scale = 0.5 * (high - low).norm(), .origin = 0.5 * (low + high)};
 }
 
 }  // namespace
@@ -142,7 +139,7 @@ Simulation simulate_scene(std::string_view scene, const SimulateOptions& options
         for (const std::string& name : scene_names()) known += (known.empty() ? "" : ", ") + name;
         throw InputError("simulation: unknown scene '" + std::string(scene) + "', expected one of " + known);
     }
-    return photograph(std::string(scene), place(named->make()), options);
+    return photograph(std::string(scene), named->make(), options);
 }
 
 Simulation simulate_mesh(const Mesh& mesh, const SimulateOptions& options) {
@@ -154,7 +151,7 @@ Simulation simulate_mesh(const Mesh& mesh, const SimulateOptions& options) {
                          std::to_string(topology.n_boundary_edges) + " open and " +
                          std::to_string(topology.n_inconsistent_edges) + " inconsistent edges");
     }
-    return photograph("mesh", place(normalised(mesh)), options);
+    return photograph("mesh", textured(mesh, veined_stone(6), placement_of(mesh)), options);
 }
 
 }  // namespace anyrate

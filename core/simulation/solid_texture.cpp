@@ -13,7 +13,7 @@ double Patina::operator()(const Vec3& point) const {
     const double grain = noise_.fbm(26.0 * point + Vec3(3.1, 8.7, 1.9), 3, 0.85);
     const double crack = 1 - smooth_step(0.0, 0.045, std::abs(noise_(9.0 * point + Vec3(0.3, 0.2, 0.1) * clouds)));
     const double speck = smooth_step(0.62, 0.80, noise_(48.0 * point));
-    return std::exp(0.16 * clouds + 0.42 * grain) * (1 - 0.40 * crack) * (1 - 0.55 * speck);
+    return std::exp(0.22 * clouds + 0.75 * grain) * (1 - 0.40 * crack) * (1 - 0.55 * speck);
 }
 
 Vec3 ramp(std::initializer_list<Vec3> stops, double t) {

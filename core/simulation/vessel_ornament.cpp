@@ -79,33 +79,31 @@ double ridge(double z, double crest, double width) {
     return std::exp(-t * t);
 }
 
-/// A half ball: 1 on top, 0 from its edge on.
-double ball(double distance, double radius) {
-    const double t = std::max(1 - distance * distance / (radius * radius), 0.0);
-    return std::pow(t, 0.7);
-}
+/// A round knob: 1 on top, 0 from its edge on. Its sides are not too steep for the lattice it will be carved from.
+double knob(double distance, double radius) { return std::max(1 - distance * distance / (radius * radius), 0.0); }
 
-constexpr int n_waves = 9;
-constexpr double wave_height = 0.060;
+constexpr int n_waves = 8;
+constexpr double wave_height = 0.062;
 
 /// A leaf of five lobes, its tip along +v; (u, v) from its middle, world lengths.
 void add_leaf(Vine& vine, double u, double v) {
-    constexpr double size = 0.082;
-    const double distance = std::hypot(u, v);
+    constexpr double size = 0.098;
+    const double distance = length(u, v);
     if (distance > size) return;
     const double lobes = std::cos(5 * std::atan2(u, v));
-    const double edge = size * (0.70 + 0.30 * lobes);
-    vine.leaf = std::max(vine.leaf, 1 - smooth_step(0.72, 1.0, distance / edge));
-    if (distance < 0.8 * edge) vine.vein = smooth_step(0.965, 0.99, lobes);
+    const double edge = size * (0.76 + 0.24 * lobes);
+    vine.leaf = std::max(vine.leaf, 1 - smooth_step(0.60, 1.0, distance / edge));
+    vine.vein = std::max(vine.vein, smooth_step(0.95, 0.99, lobes) * (1 - smooth_step(0.6, 0.9, distance / edge)));
 }
 
-/// Six berries in a triangle that hangs along -v.
+/// Six berries in a triangle that hangs along -v, on a common ground, so that no deep pits are left between them.
 void add_berries(Vine& vine, double u, double v) {
-    constexpr double radius = 0.019;
+    constexpr double radius = 0.023;
+    vine.berry = std::max(vine.berry, 0.6 * knob(length(u, v - 0.6 * radius), 2.9 * radius));
     for (int row = 0; row < 3; ++row) {
         for (int k = 0; k <= 2 - row; ++k) {
             const double cu = (2 * k - (2 - row)) * radius, cv = (1 - row) * 1.75 * radius;
-            vine.berry = std::max(vine.berry, ball(std::hypot(u - cu, v - cv), radius));
+            vine.berry = std::max(vine.berry, knob(length(u - cu, v - cv), radius));
         }
     }
 }
@@ -128,7 +126,7 @@ double beads(double angle, double z) {
     constexpr int n_beads = 48;
     const double middle = vessel_zone::beads.middle();
     if (std::abs(z - middle) > 0.04) return 0;
-    return ball(std::hypot(to_nearest(angle, n_beads) * vessel_radius(middle), z - middle), 0.031);
+    return knob(length(to_nearest(angle, n_beads) * vessel_radius(middle), z - middle), 0.031);
 }
 
 Vine vine(double angle, double z) {
@@ -138,16 +136,16 @@ Vine vine(double angle, double z) {
     const double radius = vessel_radius(z);
     const double wave = wave_height * std::sin(n_waves * angle);
     const double slope = wave_height * n_waves * std::cos(n_waves * angle) / radius;
-    result.stem = 1 - smooth_step(0.008, 0.020, std::abs(height - wave) / std::hypot(1, slope));
+    result.stem = 1 - smooth_step(0.006, 0.024, std::abs(height - wave) / length(1, slope));
     // Bays open downwards below a crest of the wave and upwards above a trough.
     const double from_crest = to_nearest(angle, n_waves, 0.5 * pi / n_waves) * radius;
     const double from_trough = to_nearest(angle, n_waves, 1.5 * pi / n_waves) * radius;
-    add_leaf(result, from_crest, -(height + 0.052));
-    add_leaf(result, from_trough, height - 0.052);
+    add_leaf(result, from_crest, -(height + 0.054));
+    add_leaf(result, from_trough, height - 0.054);
     const double from_rise = to_nearest(angle, n_waves, 0) * radius;
     const double from_fall = to_nearest(angle, n_waves, pi / n_waves) * radius;
-    add_berries(result, from_rise + 0.045, -(height - 0.098));
-    add_berries(result, from_fall + 0.045, height + 0.098);
+    add_berries(result, from_rise, -(height - 0.096));
+    add_berries(result, from_fall, height + 0.096);
     return result;
 }
 
@@ -158,7 +156,7 @@ double eggs(double angle, double z) {
     const double across = to_nearest(angle, n_eggs) * vessel_radius(z);
     // Straight sides above, a half circle below. The shoulder is steep: lengths along it are longer than in z.
     const double below = std::max(low + 0.055 - z, 0.0) * 1.3;
-    const double edge = std::hypot(across, below) - half_width;
+    const double edge = length(across, below) - half_width;
     return smooth_step(0, 0.022, -edge) * (1 - smooth_step(high - 0.03, high, z));
 }
 

@@ -37,7 +37,7 @@ bool greek_key(double cells_along, double cells_up) {
 
 /// A flower of eight petals in the unit disk; nothing of it outside.
 Vec3 rosette(const Vec3& ground, double u, double v, const Vec3& petal, const Vec3& heart) {
-    const double distance = std::hypot(u, v);
+    const double distance = length(u, v);
     if (distance > 1) return ground;
     const double petals = std::abs(std::cos(4 * std::atan2(u, v)));
     if (distance < 0.24) return heart;
@@ -47,7 +47,7 @@ Vec3 rosette(const Vec3& ground, double u, double v, const Vec3& petal, const Ve
 
 Vec3 paint_foot(double angle, double z) {
     if (z < vessel_zone::foot.low + 0.045) return on_line(angle, 2 * pi / 40, 0.06) ? navy : ochre;
-    return std::hypot(in_step(angle, 2 * pi / 24), (z + 0.915) / 0.055) < 0.34 ? ivory : crimson;
+    return length(in_step(angle, 2 * pi / 24), (z + 0.915) / 0.055) < 0.34 ? ivory : crimson;
 }
 
 Vec3 paint_stem(double angle, double z) {
@@ -85,7 +85,7 @@ Vec3 paint_frieze(double angle, double z) {
     const double row = (z + 1) / 0.026;
     const double shift = static_cast<int>(std::floor(row)) % 2 == 0 ? 0.0 : 0.5;
     const double u = in_step(angle * 60 / (2 * pi) + shift, 1), w = row - std::floor(row);
-    const double scale = std::hypot(u, 0.85 * w);
+    const double scale = length(u, 0.85 * w);
     return scale < 0.42 ? Vec3(terracotta) : (scale < 0.52 ? Vec3(ochre) : Vec3(0.26, 0.07, 0.035));
 }
 
@@ -119,9 +119,10 @@ Vec3 paint_neck(double angle, double z) {
 
 Vec3 paint_lip(double angle, double z) {
     if (z > 0.925) return lip_rope(angle, z) > 0.55 ? gold : navy;
-    const double zigzag = 0.045 * std::abs(in_step(angle, 2 * pi / 28)) * 2;
+    const double zigzag = 0.12 * std::abs(in_step(angle, 2 * pi / 24));
     const double level = z - 0.835 - zigzag;
-    return on_line(level, 0.040, 0.014) ? cobalt : (level > 0.012 ? ivory : terracotta);
+    if (std::abs(level) < 0.010) return navy;
+    return level > 0 ? (level < 0.022 ? ochre : ivory) : (level > -0.022 ? ivory : crimson);
 }
 
 Vec3 paint_cavity(double angle, double r, double z) {
@@ -159,11 +160,12 @@ Vec3 paint_outside(double angle, double z) {
 }
 
 Vec3 glaze(const Vec3& p) {
-    const double r = std::hypot(p.x(), p.y()), z = p.z(), angle = std::atan2(p.y(), p.x());
+    const double r = length(p.x(), p.y()), z = p.z(), angle = std::atan2(p.y(), p.x());
     const double wall = vessel_radius(z);
     if (z > cavity_floor - 0.02 && r < 0.5 * (wall + cavity_radius(z))) return paint_cavity(angle, r, z);
-    if (const auto place = on_handle(p); place && r > wall + 0.030 && place->distance < 0.075)
-        return paint_handle(*place);
+    if (r > wall + 0.030) {
+        if (const auto place = on_handle(p); place && place->distance < 0.075) return paint_handle(*place);
+    }
     return paint_outside(angle, z);
 }
 

@@ -57,7 +57,7 @@ std::optional<HandlePoint> on_handle(const Vec3& point) {
         const Vec2 piece = line.points[i + 1] - line.points[i];
         const double t = std::clamp((p - line.points[i]).dot(piece) / piece.squaredNorm(), 0.0, 1.0);
         const Vec2 away = p - (line.points[i] + t * piece);
-        const double distance = std::hypot(away.norm(), y);
+        const double distance = length(away.norm(), y);
         if (distance >= best.distance) continue;
         const double outwards = (piece.x() * away.y() - piece.y() * away.x()) / piece.norm();
         best = {.distance = distance,
@@ -74,11 +74,11 @@ double strands(const HandlePoint& place) {
 }
 
 double vessel_field(const Vec3& point) {
-    const double r = std::hypot(point.x(), point.y());
+    const double r = length(point.x(), point.y());
     const double z = point.z();
     const double angle = std::atan2(point.y(), point.x());
     // r - radius overstates the distance to a sloping wall by the secant of its slope.
-    const double outside = (r - vessel_radius(z) - relief(angle, z)) / std::hypot(1, vessel_slope(z));
+    const double outside = (r - vessel_radius(z) - relief(angle, z)) / length(1, vessel_slope(z));
     const double body = smooth_max(outside, std::abs(z) - 1, 0.04);
     const double cavity = smooth_max(r - cavity_radius(z), cavity_floor - z, 0.16);
     return smooth_max(smooth_min(body, handle_field(point), 0.04), -cavity, 0.04);

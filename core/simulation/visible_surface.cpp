@@ -1,5 +1,6 @@
 #include "core/simulation/visible_surface.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
