@@ -11,13 +11,18 @@
 namespace anyrate {
 namespace {
 
-// As fine as the hull, as long as memory for the grid stays in bounds: three floats a node, and an eighth of it for
-// the coarser grids.
-double poisson_spacing(const VisualHull& hull, double cells) {
+// As fine as the hull, as long as memory for the grid stays in bounds: three floats a node, and a seventh of it for the
+// coarser grids. Measured: cells of 2 pixels give the same distance to the ground truth as 1.5 (nefertiti, 0.140 % of
+// the diagonal) in half the time, and keep the fingers of oxford_dinosaur.
+double poisson_spacing(const VisualHull& hull) {
     constexpr double most_nodes = 256.0 * 256.0 * 256.0;
-    const Vec3 nodes = (hull.upper - hull.lower) / (cells * hull.cell);
-    return cells * hull.cell * std::max(1.0, std::cbrt((nodes.array() + 20.0).prod() / most_nodes));
+    const Vec3 nodes = (hull.upper - hull.lower) / hull.cell;
+    return hull.cell * std::max(1.0, std::cbrt((nodes.array() + 16.0).prod() / most_nodes));
 }
+
+// Around a handle that noise of the masks makes it is a few cells; around one of the object that the images resolve,
+// more.
+constexpr double handle_loop_cells = 8.0;
 
 }  // namespace
 
@@ -30,13 +35,10 @@ Mesh initial_surface(const Capture& capture, const ProgressFn& progress) {
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
-    const double spacing = poisson_spacing(hull, 1.0);
+    const double spacing = poisson_spacing(hull);
     const ScalarField field = poisson_field(hull.points, {.spacing = spacing});
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
-    // A handle that noise of the masks makes is a few cells around; a gap of the object that the images resolve is
-    // more.
-    constexpr double handle_loop_cells = 8.0;
     Mesh clean = remove_small_handles(surface, handle_loop_cells * spacing);
     report(Stage::poisson, 1.0);
     return clean;

@@ -194,6 +194,11 @@ float smoothed_step(double distance_in_spacings) {
     return static_cast<float>(t - 0.5 * t * std::abs(t));
 }
 
+// The distance to the plane, in spacings, at which smoothed_step() has this value; +-1 beyond its range.
+float distance_of_step(float value) {
+    return std::copysign(1.0f - std::sqrt(std::max(0.0f, 1.0f - 2.0f * std::abs(value))), value);
+}
+
 struct Placement {
     Dimensions size;
     Vec3 origin;
@@ -303,10 +308,11 @@ ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOp
     solve(levels);
 
     ScalarField field{grid.size.nx, grid.size.ny, grid.size.nz, grid.origin, grid.spacing, std::move(levels.front().u)};
-    // On the border u = 0; a shift of a half or more would mean that the points' normals point inwards.
-    const double shift = std::min(mean_at_points(points, grid, field.values), -0.01);
+    // On the border u = 0; a mean of zero or more would mean that the points' normals point inwards.
+    const auto at_surface = static_cast<float>(std::min(mean_at_points(points, grid, field.values), -0.01));
     parallel_for(
-        field.values.size(), [&](std::size_t i) { field.values[i] -= static_cast<float>(shift); }, 1 << 16);
+        field.values.size(), [&](std::size_t i) { field.values[i] = distance_of_step(field.values[i] - at_surface); },
+        1 << 16);
     return field;
 }
 

@@ -21,10 +21,12 @@ struct PoissonOptions {
     int margin = 4;          ///< empty cells kept around the points, at least 2
 };
 
-/// The smoothed indicator (about -1/2 inside, +1/2 outside) whose gradient fits the points' normals, each weighted by
-/// its point's area, shifted so that its zero set passes through the points. Positive on the grid's border.
-/// The points should be no further apart than the spacing where the surface is to follow them; gaps are closed
-/// smoothly. Source: Kazhdan, Bolitho, Hoppe 2006; screening after Kazhdan and Hoppe 2013.
+/// The smoothed indicator function whose gradient fits the points' normals, each weighted by its point's area, shifted
+/// so that its zero set passes through the points, and mapped by the inverse of the smoothing kernel's step: near the
+/// surface the field is the distance in spacings, so that linear interpolation finds the surface; it ends at -1 inside
+/// and +1 outside. Positive on the grid's border. The points should be no further apart than the spacing where the
+/// surface is to follow them; gaps are closed smoothly. Source: Kazhdan, Bolitho, Hoppe 2006; screening after Kazhdan
+/// and Hoppe 2013.
 /// @throws InputError if `points` is empty, or spans more than 2^28 nodes at this spacing
 ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options);
 

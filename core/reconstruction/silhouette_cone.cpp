@@ -16,17 +16,15 @@ namespace {
 template <class Best>
 MaskImage over_neighbours(const MaskImage& mask, const Best& best) {
     MaskImage rows = mask;
-    for (int y = 0; y < mask.height; ++y)
-        for (int x = 0; x + 1 < mask.width; ++x) {
-            rows(x, y) = best(rows(x, y), mask(x + 1, y));
-            rows(x + 1, y) = best(rows(x + 1, y), mask(x, y));
-        }
+    for (int y = 0; y < mask.height; ++y) {
+        for (int x = 1; x < mask.width; ++x) rows(x, y) = best(mask(x, y), mask(x - 1, y));
+        for (int x = 0; x + 1 < mask.width; ++x) rows(x, y) = best(rows(x, y), mask(x + 1, y));
+    }
     MaskImage result = rows;
-    for (int y = 0; y + 1 < mask.height; ++y)
-        for (int x = 0; x < mask.width; ++x) {
-            result(x, y) = best(result(x, y), rows(x, y + 1));
-            result(x, y + 1) = best(result(x, y + 1), rows(x, y));
-        }
+    for (int y = 0; y < mask.height; ++y) {
+        const int above = std::max(y - 1, 0), below = std::min(y + 1, mask.height - 1);
+        for (int x = 0; x < mask.width; ++x) result(x, y) = best(rows(x, y), best(rows(x, above), rows(x, below)));
+    }
     return result;
 }
 

@@ -44,15 +44,30 @@ int least_views(const Cones& cones) {
 // point.
 class HullField {
 public:
-    HullField(const Cones& cones, double largest)
-        : cones_(cones), least_views_(least_views(cones)), largest_(largest) {}
+    HullField(const Cones& cones, double largest) : least_views_(least_views(cones)), largest_(largest) {
+        for (const SilhouetteCone& cone : cones) cones_.push_back(&cone);
+    }
+
+    // The same field for the neighbourhood of a point: without the views that show nothing but object there.
+    HullField near(const Vec3& point, double radius) const {
+        HullField local(least_views_, largest_);
+        for (const SilhouetteCone* cone : cones_) {
+            const auto distance = cone->distance(point);
+            // A half more than the radius, as the distance is not quite Euclidean.
+            if (distance && *distance < -1.5 * radius)
+                --local.least_views_;
+            else
+                local.cones_.push_back(cone);
+        }
+        return local;
+    }
 
     // Cut off at +-largest, so that differences stay meaningful across the frame of an image, where a cone ends.
     double operator()(const Vec3& point) const {
         double field = -largest_;
         int n_views = 0;
-        for (const SilhouetteCone& cone : cones_) {
-            const auto distance = cone.distance(point);
+        for (const SilhouetteCone* cone : cones_) {
+            const auto distance = cone->distance(point);
             if (!distance) continue;
             ++n_views;
             field = std::max(field, *distance);
@@ -63,27 +78,28 @@ public:
 
     bool is_inside(const Vec3& point) const {
         int n_views = 0;
-        for (const SilhouetteCone& cone : cones_) {
-            const auto distance = cone.distance(point);
+        for (const SilhouetteCone* cone : cones_) {
+            const auto distance = cone->distance(point);
             if (distance && *distance >= 0.0) return false;
             n_views += distance.has_value();
         }
         return n_views >= least_views_;
     }
 
-    // Outward direction of the surface near `point`, from differences over twice `step`: where two cones meet, between
-    // them.
-    Vec3 normal(const Vec3& point, double step) const {
-        Vec3 gradient;
+    // By central differences of width 2 step; where two cones meet, it points between their normals.
+    Vec3 gradient(const Vec3& point, double step) const {
+        Vec3 difference;
         for (int axis = 0; axis < 3; ++axis) {
             const Vec3 offset = step * Vec3::Unit(axis);
-            gradient[axis] = (*this)(point + offset) - (*this)(point - offset);
+            difference[axis] = (*this)(point + offset) - (*this)(point - offset);
         }
-        return gradient;
+        return difference / (2.0 * step);
     }
 
 private:
-    const Cones& cones_;
+    HullField(int n_least_views, double largest) : least_views_(n_least_views), largest_(largest) {}
+
+    std::vector<const SilhouetteCone*> cones_;
     int least_views_;
     double largest_;
 };
@@ -264,12 +280,14 @@ void evaluate_corners(const HullField& field, CornerGrid& grid) {
 }
 
 // The surface point between an inner and an outer point, by the Illinois variant of regula falsi (Dowell and Jarratt
-// 1971); the field may jump, so the bracket is kept.
+// 1971), which keeps the bracket: the field may jump at the frame of an incomplete view.
 Vec3 crossing(const HullField& field, Vec3 in, Vec3 out) {
     constexpr int n_steps = 4;
     double field_in = field(in), field_out = field(out);
+    if (!(field_in < 0.0 && field_out >= 0.0)) return 0.5 * (in + out);
+    const auto root = [&]() -> Vec3 { return in + (out - in) * (field_in / (field_in - field_out)); };
     for (int step = 0; step < n_steps; ++step) {
-        const Vec3 middle = in + (out - in) * (field_in / (field_in - field_out));
+        const Vec3 middle = root();
         const double value = field(middle);
         if (value < 0.0) {
             in = middle;
@@ -281,7 +299,7 @@ Vec3 crossing(const HullField& field, Vec3 in, Vec3 out) {
             field_in *= 0.5;
         }
     }
-    return in + (out - in) * (field_in / (field_in - field_out));
+    return root();
 }
 
 // One point for each edge of a boundary cell that the surface crosses. Such edges cut a surface element of normal n at
@@ -292,9 +310,11 @@ std::vector<OrientedPoint> boundary_points(const HullField& field, const CornerG
                               std::vector<OrientedPoint>& points) {
         if (mark_from < Mark::inside || mark_to < Mark::inside || mark_from == mark_to) return;
         const Vec3 to = from + grid.edge * Vec3::Unit(axis);
+        const double step = 0.5 * grid.edge;
+        const HullField local = field.near(0.5 * (from + to), step + step);
         OrientedPoint point;
-        point.position = mark_from == Mark::inside ? crossing(field, from, to) : crossing(field, to, from);
-        const Vec3 gradient = field.normal(point.position, 0.5 * grid.edge);
+        point.position = mark_from == Mark::inside ? crossing(local, from, to) : crossing(local, to, from);
+        const Vec3 gradient = local.gradient(point.position, step);
         if (!(gradient.norm() > 0.0)) return;
         point.normal = gradient.normalized();
         point.area = grid.edge * grid.edge / point.normal.lpNorm<1>();
