@@ -75,18 +75,19 @@ bool keeps_shape(const Vec3& before, const Vec3& after, const Ring& ring, int fi
     return true;
 }
 
-bool is_collapse_good(const Surface& surface, HalfedgeHandle h, const CollapseLimits& limits) {
+std::optional<double> collapse_distance(const Surface& surface, HalfedgeHandle h, const CollapseLimits& limits) {
     Ring ring;
-    if (!gather_ring(surface, h, ring)) return false;
+    if (!gather_ring(surface, h, ring)) return std::nullopt;
     const Vec3& before = surface.point(surface.from_vertex_handle(h));
     const Vec3& after = ring[0];
     for (int i = 2; i < ring.n - 1; ++i)
-        if ((ring[i] - after).squaredNorm() > limits.max_length * limits.max_length) return false;
-    if (!keeps_shape(before, after, ring, 1, ring.n - 1)) return false;
+        if ((ring[i] - after).squaredNorm() > limits.max_length * limits.max_length) return std::nullopt;
+    if (!keeps_shape(before, after, ring, 1, ring.n - 1)) return std::nullopt;
     double d2 = std::numeric_limits<double>::infinity();
     for (int i = 1; i < ring.n - 1; ++i)
         d2 = std::min(d2, (closest_point_on_triangle(before, after, ring[i], ring[i + 1]) - before).squaredNorm());
-    return d2 <= limits.max_distance * limits.max_distance;
+    if (d2 > limits.max_distance * limits.max_distance) return std::nullopt;
+    return std::sqrt(d2);
 }
 
 /// The link condition, and no vertex is left with two neighbours.
@@ -141,8 +142,15 @@ bool is_flip_good(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 }  // namespace
 
-bool collapse(Surface& surface, HalfedgeHandle h, const CollapseLimits& limits) {
-    if (!is_collapse_good(surface, h, limits) || !is_collapse_manifold(surface, h)) return false;
+std::optional<double> collapse(Surface& surface, HalfedgeHandle h, const CollapseLimits& limits) {
+    const std::optional<double> distance = collapse_distance(surface, h, limits);
+    if (!distance || !is_collapse_manifold(surface, h)) return std::nullopt;
+    surface.collapse(h);
+    return distance;
+}
+
+bool collapse_blindly(Surface& surface, HalfedgeHandle h) {
+    if (!is_collapse_manifold(surface, h)) return false;
     surface.collapse(h);
     return true;
 }

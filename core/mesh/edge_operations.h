@@ -1,6 +1,8 @@
 #pragma once
 // The edits of a Surface that remeshing is made of. Each is refused, with false or nothing done, where it would break
 // the manifold or fold the surface over. Heavy to compile: include it in .cpp files only.
+#include <optional>
+
 #include "core/mesh/surface.h"
 
 namespace anyrate {
@@ -11,8 +13,12 @@ struct CollapseLimits {
 };
 
 /// Moves the halfedge's origin into its target, if that keeps a closed manifold, the limits and all normals roughly.
-/// Deleted elements stay until garbage_collection().
-bool collapse(Surface& surface, OpenMesh::HalfedgeHandle h, const CollapseLimits& limits);
+/// Deleted elements stay until garbage_collection(). Returns the distance of the vanished vertex to the triangles that
+/// cover for it, nullopt if refused.
+std::optional<double> collapse(Surface& surface, OpenMesh::HalfedgeHandle h, const CollapseLimits& limits);
+
+/// The same whatever it does to the shape: for edges so short that the triangles beside them are noise.
+bool collapse_blindly(Surface& surface, OpenMesh::HalfedgeHandle h);
 
 /// Flips the edge if that brings the four valences nearer to six, or keeps them and makes the edge locally Delaunay,
 /// and the two triangles bend no more than before and stay well shaped.

@@ -23,13 +23,20 @@ using OpenMesh::VertexHandle;
 /// Rounds at the end that leave the count alone and only even out.
 constexpr int n_polishing_rounds = 4;
 
+/// Edges shorter than this part of the wanted ones are collapsed whatever their triangles look like: marching
+/// tetrahedra leave clusters of vertices in next to one place, with triangles that face anywhere.
+constexpr double noise_length = 0.01;
+
 class Remesher {
 public:
-    explicit Remesher(const Mesh& mesh) : target_(mesh), surface_(to_surface(mesh)) { surface_.add_property(face_); }
+    explicit Remesher(const Mesh& mesh) : target_(mesh), surface_(to_surface(mesh)) {
+        surface_.add_property(face_);
+        surface_.add_property(eroded_);
+        for (const VertexHandle v : surface_.vertices()) surface_.property(face_, v) = -1;
+    }
 
     Mesh run(const RemeshOptions& options) {
         n_wanted_ = options.n_vertices;
-        for (const VertexHandle v : surface_.vertices()) surface_.property(face_, v) = -1;
         thin_out(3 * n_wanted_);
         double correction = 1;
         for (int round = 0; round < options.iterations; ++round) {
@@ -45,6 +52,7 @@ public:
             improve_valences();
             relax();
         }
+        settle();
         return to_mesh(surface_);
     }
 
@@ -72,7 +80,11 @@ private:
     }
 
     bool collapse_if_shorter(EdgeHandle e, double bound, double max_length) {
-        if (surface_.status(e).deleted() || squared_length(surface_, e) >= bound * bound) return false;
+        if (surface_.status(e).deleted()) return false;
+        const double length2 = squared_length(surface_, e);
+        if (length2 >= bound * bound) return false;
+        if (length2 < noise_length * noise_length * bound * bound)
+            return collapse_blindly(surface_, surface_.halfedge_handle(e, 0));
         return collapse_either_way(e, {.max_length = max_length, .max_distance = 0.3 * bound});
     }
 
@@ -81,7 +93,19 @@ private:
         HalfedgeHandle h = surface_.halfedge_handle(e, 0);
         if (surface_.valence(surface_.from_vertex_handle(h)) > surface_.valence(surface_.to_vertex_handle(h)))
             h = surface_.opposite_halfedge_handle(h);
-        return collapse(surface_, h, limits) || collapse(surface_, surface_.opposite_halfedge_handle(h), limits);
+        return collapse_one_way(h, limits) || collapse_one_way(surface_.opposite_halfedge_handle(h), limits);
+    }
+
+    /// Each vertex remembers how far off the vertices may be that went into it: many small steps would eat up a tip.
+    bool collapse_one_way(HalfedgeHandle h, CollapseLimits limits) {
+        const VertexHandle from = surface_.from_vertex_handle(h), to = surface_.to_vertex_handle(h);
+        limits.max_distance -= surface_.property(eroded_, from);
+        if (limits.max_distance <= 0) return false;
+        const std::optional<double> distance = collapse(surface_, h, limits);
+        if (!distance) return false;
+        double& eroded = surface_.property(eroded_, to);
+        eroded = std::max(eroded, surface_.property(eroded_, from) + *distance);
+        return true;
     }
 
     void collapse_shorter_than(double bound, double max_length) {
@@ -105,7 +129,6 @@ private:
         const std::int32_t hint = surface_.property(face_, surface_.from_vertex_handle(h));
         const VertexHandle v = surface_.add_vertex(middle);
         surface_.split(e, v);
-        surface_.property(face_, v) = hint;
         const NearestSurface::Hit hit = project(middle, ring_normal(surface_, v), hint);
         surface_.property(face_, v) = hit.face;
         move(surface_, v, hit.point);
@@ -129,6 +152,12 @@ private:
             place[i] = hit.point;
         });
         for (std::size_t i = 0; i < place.size(); ++i) move(surface_, VertexHandle(static_cast<int>(i)), place[i]);
+    }
+
+    /// Brings to the input surface also those whose way there was refused so far; the others are there.
+    void settle() {
+        for (const VertexHandle v : surface_.vertices())
+            surface_.set_point(v, target_.nearest(surface_.point(v), surface_.property(face_, v)).point);
     }
 
     /// The centre of gravity of the triangles around a vertex.
@@ -208,6 +237,7 @@ private:
 
     NearestSurface target_;
     Surface surface_;
+    OpenMesh::VPropHandleT<double> eroded_;      ///< how far off the vertices may be that went into each
     OpenMesh::VPropHandleT<std::int32_t> face_;  ///< the input face each vertex was last projected to
     int n_wanted_ = 0;
 };
@@ -217,6 +247,8 @@ private:
 Mesh remesh_isotropic(const Mesh& mesh, const RemeshOptions& options) {
     const Topology topology = measure_topology(mesh);
     if (!topology.is_closed_manifold()) throw InputError("remesh: expected a closed manifold");
+    for (int v = 0; v < mesh.n_vertices(); ++v)
+        if (!mesh.vertices[v].allFinite()) throw InputError("remesh: vertex " + std::to_string(v) + " is not finite");
     if (options.n_vertices < 4 * topology.n_components)
         throw InputError("remesh: expected at least 4 vertices a piece, got " + std::to_string(options.n_vertices) +
                          " for " + std::to_string(topology.n_components));
