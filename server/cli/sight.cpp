@@ -5,29 +5,46 @@
 #include <limits>
 
 #include "core/mesh/bounds.h"
-#include "core/mesh/surface_samples.h"
-#include "core/parallel.h"
+#include "core/reconstruction/visibility.h"
 
 namespace anyrate {
 namespace {
 
 constexpr int depth_size = 300;           // cells of a depth image's longer side
-constexpr int n_samples = 800'000;        // of the surface: about ten in every cell that it covers
+constexpr int samples_per_side = 3;       // of a cell, where its depth is taken
 constexpr double tolerance_part = 0.008;  // of the surface's diagonal: about what a cell spans on a slanted face
 
-/// The camera's projection to cells, depth_size of them along the longer side of the image.
-Mat34 cells_from_world(const Camera& camera) {
-    const double scale = static_cast<double>(depth_size) / std::max(camera.width, camera.height);
-    Mat3 cells_from_pixels = Mat3::Identity();
-    cells_from_pixels(0, 0) = cells_from_pixels(1, 1) = scale;
-    cells_from_pixels(0, 2) = cells_from_pixels(1, 2) = 0.5 * scale;  // a pixel's centre is half a pixel inside
-    return cells_from_pixels * camera.P();
+/// From pixels (convention of camera.h) to an image `scale` times as large, whose pixel (x, y) covers [x, x+1) x [y,
+/// y+1).
+Mat3 scaled_from_pixels(double scale) {
+    Mat3 result = Mat3::Identity();
+    result(0, 0) = result(1, 1) = scale;
+    result(0, 2) = result(1, 2) = 0.5 * scale;
+    return result;
 }
 
-Image<float> empty_depth(const Camera& camera) {
-    const double scale = static_cast<double>(depth_size) / std::max(camera.width, camera.height);
-    return {static_cast<int>(std::ceil(camera.width * scale)), static_cast<int>(std::ceil(camera.height * scale)),
-            std::numeric_limits<float>::infinity()};
+/// Smallest depth in every cell of samples_per_side^2 samples.
+Image<float> nearest_in_cells(const Image<float>& samples) {
+    Image<float> cells(samples.width / samples_per_side, samples.height / samples_per_side,
+                       std::numeric_limits<float>::infinity());
+    for (int y = 0; y < cells.height * samples_per_side; ++y) {
+        for (int x = 0; x < cells.width * samples_per_side; ++x) {
+            float& cell = cells(x / samples_per_side, y / samples_per_side);
+            cell = std::min(cell, samples(x, y));
+        }
+    }
+    return cells;
+}
+
+/// Depth of the surface at the samples of every cell of a camera's depth image.
+Image<float> sample_depth(const Camera& camera, const Mesh& surface, double scale) {
+    PhotoLevel level;
+    level.width = samples_per_side * static_cast<int>(std::ceil(camera.width * scale));
+    level.height = samples_per_side * static_cast<int>(std::ceil(camera.height * scale));
+    Mat3 centres_from_corners = Mat3::Identity();
+    centres_from_corners(0, 2) = centres_from_corners(1, 2) = -0.5;
+    level.P = centres_from_corners * scaled_from_pixels(samples_per_side * scale) * camera.P();
+    return render_depth(level, surface);
 }
 
 }  // namespace
@@ -42,18 +59,11 @@ std::optional<Sight::DepthView::Hit> Sight::DepthView::project(const Vec3& point
 
 Sight::Sight(const Capture& capture, const Mesh& surface)
     : tolerance_(tolerance_part * bounding_box(surface).diagonal().norm()) {
-    for (const View& view : capture.views) views_.push_back({cells_from_world(view.camera), empty_depth(view.camera)});
-    const std::vector<Vec3> points = sample_surface(surface, n_samples, 1);
-    parallel_for(
-        views_.size(),
-        [&](std::size_t i) {
-            DepthView& view = views_[i];
-            for (const Vec3& point : points) {
-                const auto hit = view.project(point);
-                if (hit) view.depth(hit->x, hit->y) = std::min(view.depth(hit->x, hit->y), hit->depth);
-            }
-        },
-        1);
+    for (const View& view : capture.views) {
+        const double scale = static_cast<double>(depth_size) / std::max(view.camera.width, view.camera.height);
+        views_.push_back(
+            {scaled_from_pixels(scale) * view.camera.P(), nearest_in_cells(sample_depth(view.camera, surface, scale))});
+    }
 }
 
 int Sight::n_views_of(const Vec3& point) const {

@@ -8,10 +8,11 @@
 namespace anyrate {
 
 /// Tells which points of a surface the cameras of a capture see. Meant for the true surface, on which a reconstruction
-/// is to be judged only where it was photographed: coarse, so that the edge of what is hidden is judged generously.
+/// is to be judged only where it was photographed. It works on coarse depth images: a view flatter than about 70
+/// degrees to the surface may count as hidden.
 class Sight {
 public:
-    /// @param surface  what hides what, world units. @throws InputError if it has no area
+    /// @param surface  what hides what, world units
     Sight(const Capture& capture, const Mesh& surface);
 
     /// Number of views in which no part of the surface is in front of `point`, which is on it or near it.
