@@ -19,7 +19,7 @@ namespace {
 // The start of every Draco string: "DRACO", version (2), geometry type, method, flags (2), then the geometry's own
 // counts.
 constexpr std::size_t type_offset = 7, method_offset = 8, flags_offset = 9, geometry_offset = 11;
-constexpr std::int32_t max_magnitude = 1 << 28;
+constexpr std::int32_t max_magnitude = 1 << 25;
 
 [[noreturn]] void fail(const std::string& what) { throw DecodeError("Draco payload: " + what); }
 
@@ -94,7 +94,7 @@ std::vector<std::int32_t> values_of(const draco::PointCloud& cloud, std::int32_t
         attribute.GetValue(entry, values.data() + n * point.value());
     }
     for (const std::int32_t value : values) {
-        if (!in_range(value)) fail("an integer beyond 2^28");
+        if (!in_range(value)) fail("an integer beyond 2^25");
     }
     return values;
 }
@@ -141,7 +141,7 @@ std::vector<std::byte> encode_point_cloud(std::size_t n_points, std::span<const 
     std::vector<int> ids;
     for (const IntAttribute& attribute : attributes) {
         for (const std::int32_t value : attribute.values) {
-            if (!in_range(value)) throw InputError("stream: the integer " + std::to_string(value) + " exceeds 2^28");
+            if (!in_range(value)) throw InputError("stream: the integer " + std::to_string(value) + " exceeds 2^25");
         }
         ids.push_back(add_attribute(cloud, draco::GeometryAttribute::GENERIC, attribute));
     }

@@ -17,11 +17,12 @@ struct IntAttribute {
 };
 
 /// A sequential point cloud without prediction. All attributes have n_points points, n_points > 0.
-/// @throws InputError if a value exceeds 2^28 in magnitude (Draco 1.5.5 throws from 2^30 on)
+/// @throws InputError if a value exceeds 2^25 in magnitude (Draco 1.5.5 throws from 2^30 on, and counts
+///         symbols in a table as long as the largest)
 std::vector<std::byte> encode_point_cloud(std::size_t n_points, std::span<const IntAttribute> attributes);
 
 /// @param n_components what each attribute must have, in order
-/// @throws DecodeError if the bytes are not such a cloud of exactly n_points points, or a value exceeds 2^28 in
+/// @throws DecodeError if the bytes are not such a cloud of exactly n_points points, or a value exceeds 2^25 in
 /// magnitude
 std::vector<IntAttribute> decode_point_cloud(std::span<const std::byte> bytes, std::size_t n_points,
                                              std::span<const int> n_components);

@@ -1,6 +1,7 @@
 #include "tests/golden/sample_models.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -20,6 +21,22 @@ GridPoint snap(const Grid& grid, const Vec3& world) {
         return unit * static_cast<std::int32_t>(std::floor(steps + 0.5));
     };
     return {coordinate(0), coordinate(1), coordinate(2)};
+}
+
+/// Splits every triangle into four at its edge midpoints.
+void subdivide(std::vector<Vec3>& points, std::vector<Triangle>& faces) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> midpoints;
+    const auto midpoint = [&](std::int32_t a, std::int32_t b) {
+        const auto [entry, is_new] = midpoints.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
+        if (is_new) points.push_back((points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]) / 2);
+        return entry->second;
+    };
+    std::vector<Triangle> finer;
+    for (const auto& [a, b, c] : faces) {
+        const std::int32_t ab = midpoint(a, b), bc = midpoint(b, c), ca = midpoint(c, a);
+        finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    faces = std::move(finer);
 }
 
 /// Radius of the bumpy sphere in a direction: a polynomial of its coordinates.
@@ -127,22 +144,7 @@ BaseMesh icosphere(const Grid& grid, int n_subdivisions) {
     std::vector<Triangle> faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    for (int level = 0; level < n_subdivisions; ++level) {
-        std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> midpoints;
-        const auto midpoint = [&](std::int32_t a, std::int32_t b) {
-            const auto [entry, is_new] =
-                midpoints.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
-            if (is_new)
-                points.push_back((points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]) / 2);
-            return entry->second;
-        };
-        std::vector<Triangle> finer;
-        for (const auto& [a, b, c] : faces) {
-            const std::int32_t ab = midpoint(a, b), bc = midpoint(b, c), ca = midpoint(c, a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-        }
-        faces = std::move(finer);
-    }
+    for (int level = 0; level < n_subdivisions; ++level) subdivide(points, faces);
     BaseMesh base;
     for (const Vec3& p : points) {
         const double radius = std::sqrt((p.x() * p.x() + p.y() * p.y()) + p.z() * p.z());
@@ -152,12 +154,26 @@ BaseMesh icosphere(const Grid& grid, int n_subdivisions) {
     return base;
 }
 
+BaseMesh flat_cube(const Grid& grid, int n_subdivisions) {
+    std::vector<Vec3> points;
+    for (int corner = 0; corner < 8; ++corner) {
+        points.push_back(0.5 * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
+    }
+    std::vector<Triangle> faces = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                   {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    for (int level = 0; level < n_subdivisions; ++level) subdivide(points, faces);
+    BaseMesh base{{}, std::move(faces)};
+    for (const Vec3& p : points) base.positions.push_back(snap(grid, p));
+    return base;
+}
+
 BaseMesh square_torus(const Grid& grid) {
     // Twelve stations around a square of side 1; at each, four points of a small square across the ring.
+    const std::array<Vec3, 4> corners = {Vec3(-0.5, -0.5, 0), Vec3(0.5, -0.5, 0), Vec3(0.5, 0.5, 0),
+                                         Vec3(-0.5, 0.5, 0)};
     std::vector<Vec3> stations;
-    for (const Vec3& corner : {Vec3(-0.5, -0.5, 0), Vec3(0.5, -0.5, 0), Vec3(0.5, 0.5, 0), Vec3(-0.5, 0.5, 0)}) {
-        const Vec3 along(-corner.y() * 2 / 3, corner.x() * 2 / 3, 0);
-        for (int k = 0; k < 3; ++k) stations.push_back(corner + k * along);
+    for (std::size_t c = 0; c < 4; ++c) {
+        for (int k = 0; k < 3; ++k) stations.push_back(corners[c] + k * (corners[(c + 1) % 4] - corners[c]) / 3);
     }
     BaseMesh base;
     for (const Vec3& station : stations) {

@@ -34,6 +34,8 @@ Grid unit_grid(int bits);
 BaseMesh octahedron(const Grid& grid);
 /// An icosahedron, each face split into 4 so many times, on the sphere of radius 0.75.
 BaseMesh icosphere(const Grid& grid, int n_subdivisions);
+/// The cube [-0.5, 0.5]^3 with flat, evenly divided sides.
+BaseMesh flat_cube(const Grid& grid, int n_subdivisions);
 /// A closed ring of square cross-section: genus 1.
 BaseMesh square_torus(const Grid& grid);
 

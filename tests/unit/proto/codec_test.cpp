@@ -1,0 +1,159 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include "core/error.h"
+#include "proto/base_codec.h"
+#include "proto/colour_codec.h"
+#include "proto/draco_io.h"
+#include "proto/refine_codec.h"
+#include "tests/golden/sample_models.h"
+
+namespace anyrate {
+namespace {
+
+std::vector<SplitRecord> random_records(std::size_t n, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    const auto up_to = [&](std::uint32_t k) {
+        return static_cast<std::int32_t>(random() % (2 * k + 1)) - static_cast<std::int32_t>(k);
+    };
+    std::vector<SplitRecord> records(n);
+    std::int32_t face = -1;
+    for (SplitRecord& record : records) {
+        face += 1 + static_cast<std::int32_t>(random() % 40);
+        record.face = face;
+        for (auto& x : record.residual) x = up_to(12);
+        for (auto& x : record.update) x = up_to(2);
+    }
+    return records;
+}
+
+}  // namespace
+
+TEST_CASE("Refine packet: decoding gives back the records, of one or of 2048 splits") {
+    for (const std::size_t n : {1, 2, 100, 2048}) {
+        const auto records = random_records(n, 3);
+        CHECK(decode_refine(encode_refine(records, no_previous_face), n, no_previous_face) == records);
+    }
+}
+
+TEST_CASE("Refine packet: the gaps of a batch go on from the packet before") {
+    const auto records = random_records(50, 4);
+    const auto tail = std::span(records).subspan(20);
+    const auto bytes = encode_refine(tail, records[19].face);
+    const auto decoded = decode_refine(bytes, 30, records[19].face);
+    CHECK(std::equal(decoded.begin(), decoded.end(), tail.begin(), tail.end()));
+}
+
+TEST_CASE("Refine packet: large symbols survive, larger ones are refused") {
+    std::vector<SplitRecord> records = {{.face = (1 << 22) - 1, .residual = {1 << 20, -(1 << 20), 0}}};
+    CHECK(decode_refine(encode_refine(records, -1), 1, -1) == records);
+    records[0].residual[2] = (1 << 25) + 1;
+    CHECK_THROWS_AS(encode_refine(records, -1), InputError);
+}
+
+TEST_CASE("Refine packet: faces that do not ascend are refused") {
+    const std::vector<SplitRecord> records = {{.face = 5}, {.face = 5}};
+    CHECK_THROWS_AS(encode_refine(records, -1), InputError);
+    CHECK_THROWS_AS(encode_refine(std::span(records).first(1), 5), InputError);
+}
+
+TEST_CASE("Refine packet: another number of splits, another layout, no layout are rejected") {
+    const auto bytes = encode_refine(random_records(10, 5), -1);
+    CHECK_THROWS_AS(decode_refine(bytes, 9, -1), DecodeError);
+    CHECK_THROWS_AS(decode_refine(bytes, 11, -1), DecodeError);
+    CHECK_THROWS_AS(decode_colour(bytes, 10), DecodeError);
+    CHECK_THROWS_AS(decode_refine(encode_colour(std::vector<ColourResidual>(10)), 10, -1), DecodeError);
+    CHECK_THROWS_AS(decode_refine({}, 10, -1), DecodeError);
+    auto longer = bytes;
+    longer.push_back({});
+    CHECK_THROWS_AS(decode_refine(longer, 10, -1), DecodeError);
+}
+
+TEST_CASE("Refine packet: damage is an error or other numbers, never a crash") {
+    const auto bytes = encode_refine(random_records(40, 6), -1);
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+        auto damaged = bytes;
+        damaged[bit / 8] ^= std::byte{1} << (bit % 8);
+        try {
+            const std::size_t n = decode_refine(damaged, 40, -1).size();
+            CHECK(n == 40);
+        } catch (const DecodeError&) {
+        }
+    }
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+        CHECK_THROWS_AS(decode_refine(std::span(bytes).first(size), 40, -1), DecodeError);
+    }
+}
+
+TEST_CASE("Colour packet: decoding gives back the residuals") {
+    std::vector<ColourResidual> residuals;
+    for (int i = 0; i < 300; ++i) residuals.push_back({i % 7 - 3, i % 5 - 2, i % 3 - 1});
+    CHECK(decode_colour(encode_colour(residuals), 300) == residuals);
+    CHECK_THROWS_AS(decode_colour(encode_colour(residuals), 299), DecodeError);
+    residuals[5].green = 512;
+    CHECK_THROWS_AS(decode_colour(encode_colour(residuals), 300), DecodeError);
+}
+
+TEST_CASE("Base: decoding gives the same surface, on the positions it was given") {
+    const Grid grid = samples::unit_grid(12);
+    const BaseMesh base = samples::icosphere(grid, 2);
+    Header header;
+    header.grid = grid;
+    header.n_base_vertices = static_cast<std::uint32_t>(base.positions.size());
+    header.n_base_faces = static_cast<std::uint32_t>(base.triangles.size());
+    const auto bytes = encode_base(base, grid.base_shift);
+    const BaseMesh decoded = decode_base(bytes, header);
+
+    // Draco renumbers, so triangles are compared by the positions of their corners, from the lowest one on.
+    const auto triangles = [](const BaseMesh& mesh) {
+        std::vector<std::array<std::array<int, 3>, 3>> out;
+        for (const Triangle& t : mesh.triangles) {
+            auto& corners = out.emplace_back();
+            for (std::size_t i = 0; i < 3; ++i) {
+                const GridPoint& p = mesh.positions[static_cast<std::size_t>(t[i])];
+                corners[i] = {p.x, p.y, p.z};
+            }
+            std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+        }
+        std::sort(out.begin(), out.end());
+        return out;
+    };
+    CHECK(triangles(decoded) == triangles(base));
+
+    header.n_base_faces += 2;
+    CHECK_THROWS_AS(decode_base(bytes, header), DecodeError);
+    header.n_base_vertices = 1 << 24;
+    CHECK_THROWS_AS(decode_base(bytes, header), DecodeError);
+}
+
+TEST_CASE("Base: positions that are no multiples of the base shift are refused") {
+    const Grid grid = samples::unit_grid(12);
+    BaseMesh base = samples::octahedron(grid);
+    base.positions[3].z += 1;
+    CHECK_THROWS_AS(encode_base(base, grid.base_shift), InputError);
+}
+
+TEST_CASE("Base: damage is an error or another mesh of the same size, never a crash") {
+    const Grid grid = samples::unit_grid(12);
+    const BaseMesh base = samples::icosphere(grid, 1);
+    const auto bytes = encode_base(base, grid.base_shift);
+    Header header;
+    header.grid = grid;
+    header.n_base_vertices = 42;
+    header.n_base_faces = 80;
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+        auto damaged = bytes;
+        damaged[bit / 8] ^= std::byte{1} << (bit % 8);
+        try {
+            const BaseMesh decoded = decode_base(damaged, header);
+            CHECK(decoded.positions.size() == 42);
+            CHECK(decoded.triangles.size() == 80);
+        } catch (const DecodeError&) {
+        }
+    }
+}
+
+}  // namespace anyrate
