@@ -69,7 +69,8 @@ private:
         ErrorCode result = asio::error::would_block;
         start([&result](ErrorCode error, auto&&...) { result = error; });
         io_.restart();
-        io_.run();
+        // Not run(): the idle timer of the WebSocket never ends.
+        while (result == asio::error::would_block) io_.run_one();
         return result;
     }
     static void expect(ErrorCode error) {

@@ -19,7 +19,7 @@ struct News {
 std::optional<News> look_up(Service& service, const std::string& id) {
     const auto model = service.catalog.find(id);
     if (!model) return std::nullopt;
-    return News{model_json(*model, {}), is_final(model->state)};
+    return News{model_json(*model), is_final(model->state)};
 }
 
 awaitable<void> send(TcpStream& stream, std::string text, std::chrono::seconds patience) {

@@ -66,7 +66,7 @@ std::string fingerprint(const ModelOptions& options, const Upload& upload) {
 Response accepted(Service& service, const std::string& id) {
     const auto model = service.catalog.find(id);
     if (!model) throw HttpProblem(404, "the model of this Idempotency-Key was deleted");
-    Response response = json_response(202, model_json(*model, {}));
+    Response response = json_response(202, model_json(*model));
     response.headers.add("Location", "/v1/models/" + id);
     return response;
 }

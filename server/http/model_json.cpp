@@ -67,6 +67,8 @@ std::string model_json(const ModelRecord& model, std::span<const RatePoint> curv
     return to_text(json);
 }
 
+std::string model_json(const ModelRecord& model) { return to_text(to_json(model)); }
+
 std::string model_list_json(const ModelPage& page) {
     ordered_json json = {{"models", ordered_json::array()}};
     for (const ModelRecord& model : page.models) json["models"].push_back(to_json(model));

@@ -8,6 +8,8 @@ namespace anyrate {
 
 /// A model as the interface shows it (proto/openapi.yaml, "Model"), with its rate-distortion curve.
 std::string model_json(const ModelRecord& model, std::span<const RatePoint> curve);
+/// The same without the curve.
+std::string model_json(const ModelRecord& model);
 /// A page of the list; models without their curves, "next" if there are more.
 std::string model_list_json(const ModelPage& page);
 /// "2026-01-31T12:00:00.000Z"

@@ -50,7 +50,7 @@ std::string status_phrase(int status) {
 }
 
 Response problem_response(const HttpProblem& problem) {
-    const nlohmann::json document = {{"type", "about:blank"},
+    const nlohmann::ordered_json document = {{"type", "about:blank"},
                                      {"title", status_phrase(problem.status)},
                                      {"status", problem.status},
                                      {"detail", problem.what()}};

@@ -1,6 +1,8 @@
 #include "server/jobs/job_runner.h"
 
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <new>
 
 #include "core/capture/load_capture.h"
@@ -23,6 +25,11 @@ public:
         progress({.stage = stage_name(now.stage),
                   .fraction = now.fraction,
                   .psi = now.psi > 0 ? std::optional(now.psi) : state_.psi});
+    }
+    void sealed(std::uint64_t n_bytes) {
+        state_.fraction = 1;
+        state_.n_bytes = n_bytes;
+        send();
     }
     void point(const RatePoint& point) {
         state_.n_vertices = point.n_vertices;
@@ -64,6 +71,7 @@ bool make_model(const Job& job, const JobSteps& steps, const Report& report, std
     if (result.stopped) return false;
     progress.stage("seal");
     sink.seal(job.paths.sealed_log);
+    progress.sealed(std::filesystem::file_size(job.paths.sealed_log));
     return true;
 }
 
