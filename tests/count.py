@@ -9,7 +9,7 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
-DOCTEST = re.compile(r"^\[doctest\] test cases: *(\d+) *\| *(\d+) passed *\| *(\d+) failed", re.M)
+DOCTEST = re.compile(r"\[doctest\] test cases: *(\d+) *\| *(\d+) passed *\| *(\d+) failed")
 UNITTEST = re.compile(r"^Ran (\d+) tests? in .*\n\n(?:OK|FAILED)(?: \((.*)\))?$", re.M)
 
 
@@ -23,7 +23,7 @@ def cases_named_by(output):
         failed += int(match[3])
     for match in UNITTEST.finditer(output):
         told = True
-        odd = {name: int(n) for name, n in re.findall(r"([a-z ]+)=(\d+)", match[2] or "")}
+        odd = {name: int(n) for name, n in re.findall(r"(\w+)=(\d+)", match[2] or "")}
         bad = odd.get("failures", 0) + odd.get("errors", 0)
         failed += bad
         skipped += odd.get("skipped", 0)
@@ -33,13 +33,15 @@ def cases_named_by(output):
 
 def count(case):
     """(passed, failed, skipped) of one <testcase> element."""
-    status = case.get("status")
-    if case.find("skipped") is not None:
+    skipped = case.find("skipped")
+    if case.get("status") == "disabled":
+        return 0, 0, 1
+    if skipped is not None:
         # CTest calls a test whose program is missing skipped as well; only a test that asked to be skipped is.
-        asked = "SKIP_RETURN_CODE" in (case.find("skipped").get("message") or "")
+        asked = "SKIP_RETURN_CODE" in (skipped.get("message") or "")
         return (0, 0, 1) if asked else (0, 1, 0)
     named = cases_named_by(case.findtext("system-out") or "")
-    if status == "run":
+    if case.get("status") == "run":
         return named or (1, 0, 0)
     passed, failed, skipped = named or (0, 0, 0)
     return passed, max(failed, 1), skipped
