@@ -26,7 +26,7 @@ ARROWS = {
 THIRD_PARTIES = {
     r"draco/": ["proto/draco_io.cpp"],
     r"opencv2/": ["core/capture/image_io.cpp"],
-    r"OpenMesh/": ["core/mesh/surface.h"],
+    r"OpenMesh/": ["core/mesh/surface.h", "core/mesh/decimate.cpp"],
     r"nlohmann/": ["core/capture/cameras_json.cpp", "core/mesh/glb.cpp", "server/*.cpp"],
     r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/client/zip_folder.cpp"],
     r"sqlite3\.h": ["server/store/sqlite_catalog.cpp"],

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs, builds, runs every test, and the unit tests a second time under AddressSanitizer and UBSan.
+# Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan.
 # The last line is "N passed, N failed" (", N skipped" if any); the exit status is 0 only if tests ran and none failed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -33,10 +33,12 @@ all_tests() {
     run_tests "tests" build
 }
 
-# Only tests/unit, each area for itself: the servers and their end-to-end tests run once, unsanitized.
-sanitized_unit_tests() {
+# Each area for itself: the command line, servers and their end-to-end tests run once, unsanitized.
+sanitized_tests() {
     local areas=() area
-    for area in tests/unit/*/CMakeLists.txt; do areas+=("${area%/CMakeLists.txt}"); done
+    for area in tests/unit/* tests/property tests/contract tests/fuzz; do
+        if [ -f "$area/CMakeLists.txt" ]; then areas+=("$area"); fi
+    done
     step "build with sanitizers" cmake --build build-asan --target "${areas[@]/%//all}" || return
     export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1
     for area in "${areas[@]}"; do run_tests "sanitized ${area##*/}" "build-asan/$area"; done
@@ -46,8 +48,9 @@ step "install" bash docker/install.sh || { echo "0 passed, 1 failed"; exit 1; }
 mkdir -p build/reports
 rm -f build/reports/*.xml
 step "configure" cmake -S . -B build "${options[@]}" -DCMAKE_BUILD_TYPE=Release && all_tests
-step "configure with sanitizers" cmake -S . -B build-asan "${options[@]}" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    -DANYRATE_SANITIZE=ON && sanitized_unit_tests
+# A debug build, so that assertions hold too, but optimised enough to end soon.
+step "configure with sanitizers" cmake -S . -B build-asan "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
+    -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_SANITIZE=ON && sanitized_tests
 
 read -r passed failed skipped < <(python3 tests/count.py "${reports[@]}")
 failed=$((${failed:-1} + broken))
