@@ -2,6 +2,7 @@
 
 #include <archive.h>
 #include <archive_entry.h>
+#include <locale.h>
 
 #include <array>
 #include <fstream>
@@ -24,13 +25,32 @@ using ArchivePtr = std::unique_ptr<archive, CloseArchive>;
 /// A small capture's text may pack far better than any ratio worth setting; below this size the ratio says nothing.
 constexpr std::int64_t ratio_free_bytes = 16 << 20;
 
+/// libarchive converts names to the thread's locale and loses those that do not fit, and a program that never asked for
+/// another runs in "C". While this lives the thread has a locale that all names fit.
+class Utf8Locale {
+public:
+    Utf8Locale() : utf8_(newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr)) {
+        if (!utf8_) throw IoError("the locale C.UTF-8 is not installed");
+        before_ = uselocale(utf8_);
+    }
+    ~Utf8Locale() {
+        uselocale(before_);
+        freelocale(utf8_);
+    }
+    Utf8Locale(const Utf8Locale&) = delete;
+    Utf8Locale& operator=(const Utf8Locale&) = delete;
+
+private:
+    locale_t utf8_, before_;
+};
+
 std::string reason(archive* a) {
     const char* text = archive_error_string(a);
     return text ? text : "damaged";
 }
 
-/// A reader of zip files by their central directory, which is what every other program goes by: a local header that
-/// tells another story is not followed.
+/// A reader that starts from the central directory at the end of the file, so a zip that was cut off is refused and not
+/// read as far as it goes.
 ArchivePtr new_zip_reader() {
     ArchivePtr reader(archive_read_new());
     if (!reader || archive_read_support_format_zip_seekable(reader.get()) != ARCHIVE_OK)
@@ -50,8 +70,8 @@ public:
             if (++n_entries > limits_.max_files)
                 throw_fault(name_,
                             "more than " + std::to_string(limits_.max_files) + " entries, the most a capture may have");
+            if (archive_entry_filetype(entry) == AE_IFDIR) continue;  // nothing is written: its name does no harm
             const std::string file = checked_name(entry);
-            if (archive_entry_filetype(entry) == AE_IFDIR) continue;
             check_kind(entry, file);
             if (contents.contains(file)) throw_fault(name_, "holds " + file + " twice; expected every file once");
             contents.emplace(file, read_data(file));
@@ -64,7 +84,7 @@ private:
         archive_entry* entry = nullptr;
         const int status = archive_read_next_header(reader_, &entry);
         if (status == ARCHIVE_EOF) return nullptr;
-        // A warning is about a name that this machine's locale cannot show: no matter.
+        // A warning is about a name that is not UTF-8, or a date: no matter.
         if (status != ARCHIVE_OK && status != ARCHIVE_WARN)
             throw_fault(name_, "not a readable zip file (" + reason(reader_) + "); expected a complete one");
         return entry;
@@ -75,10 +95,9 @@ private:
         if (!raw) raw = archive_entry_pathname(entry);
         if (!raw) throw_fault(name_, "holds a file whose name cannot be read; expected UTF-8 names");
         const auto name = relative_name(raw);
-        const bool is_folder_itself = std::string_view(raw) == "./" || std::string_view(raw) == ".";
-        if (!name && !is_folder_itself)
+        if (!name)
             throw_fault(name_, "holds \"" + std::string(raw) + "\"; expected names that stay inside the capture");
-        return name.value_or(".");
+        return *name;
     }
 
     void check_kind(archive_entry* entry, const std::string& file) const {
@@ -119,6 +138,7 @@ private:
 };
 
 ZipContents unpack(archive* reader, const std::string& name, std::int64_t n_packed_bytes, const ZipLimits& limits) {
+    const Utf8Locale locale;
     return Unpacker(reader, name, n_packed_bytes, limits).unpack();
 }
 

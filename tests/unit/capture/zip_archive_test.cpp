@@ -35,6 +35,18 @@ TEST_CASE("Zip: files come out as they went in") {
     CHECK(contents.at("empty").empty());
 }
 
+TEST_CASE("Zip: names in UTF-8 are kept, whatever the locale") {
+    // A stored file "\u00e4" of one byte "x", with the flag that its name is UTF-8.
+    const std::string common("\0\x08\0\0\0\0!\0\x83\x16\xDC\x8C\1\0\0\0\1\0\0\0\2\0\0\0", 24);
+    const std::string local = "PK\3\4\x14" + std::string(1, '\0') + common + "\xC3\xA4" + "x";
+    const std::string central = std::string("PK\1\2\x14\0\x14\0", 8) + common + std::string(14, '\0') + "\xC3\xA4";
+    std::string end("PK\5\6\0\0\0\0\1\0\1\0\0\0\0\0\0\0\0\0\0\0", 22);
+    end[12] = static_cast<char>(central.size());
+    end[16] = static_cast<char>(local.size());
+    const ZipContents contents = read(local + central + end);
+    CHECK(contents.contains("\u00e4"));
+}
+
 TEST_CASE("Zip: names that lead out of the capture are refused") {
     for (const std::string name : {"../evil", "a/../../evil", "/etc/evil", "a\\..\\evil", "C:evil"})
         CHECK(says(zip_refusal(make_zip({{"ok", "1"}, {name, "2"}})),
