@@ -1,0 +1,112 @@
+"""The live stream: whoever joins, whenever, ends with the sealed model."""
+
+import json
+import subprocess
+import unittest
+
+from harness import ANYRATE, PATIENCE, ServerTest, WebSocket, run
+
+HEADER_BYTES = 96
+LONG_JOB = "?vertices=20000&coarse=600"
+
+
+def live_form(sealed, index):
+    """Frames of a sealed log, from the base on (the header differs in its sealed flag)."""
+    return sealed[index["frames_begin"]:]
+
+
+class Live(ServerTest):
+    def index(self, model_id):
+        return json.loads(self.server.request("GET", f"/v1/models/{model_id}/index",
+                                              headers={"Accept": "application/json"})[2])
+
+    def frames_of(self, model_id):
+        return live_form(self.server.sealed(model_id).read_bytes(), self.index(model_id))
+
+    def test_a_client_that_joins_in_the_middle_ends_with_the_same_model(self):
+        model_id = self.make_model(LONG_JOB)
+        self.server.wait_for(model_id, lambda model: len(model["curve"]) >= 2)
+        whole, mesh = self.folder / "live.arl", self.folder / "live.ply"
+        joined = [subprocess.Popen([ANYRATE, "fetch", self.url(model_id), "--live", "-o", output, *budget])
+                  for output, budget in ((whole, []), (mesh, ["--vertices", "5000"]))]
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        texts, log, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual([client.wait(PATIENCE) for client in joined], [0, 0])
+
+        self.assertEqual(self.server.model(model_id)["state"], "done")
+        self.assertEqual(whole.read_bytes(), self.server.sealed(model_id).read_bytes())
+        run("decode", self.server.sealed(model_id), "-o", self.folder / "decoded.ply", "--vertices", 5000)
+        self.assertEqual(mesh.read_bytes(), (self.folder / "decoded.ply").read_bytes())
+
+        self.assertEqual((texts[0]["type"], texts[0]["sealed"], texts[0]["next_sequence"]), ("hello", False, 0))
+        self.assertEqual((texts[-1], code), ({"type": "end", "state": "done"}, 1000))
+        self.assertEqual(log[HEADER_BYTES:], self.frames_of(model_id))
+
+    def test_a_client_that_waits_from_the_start_gets_everything(self):
+        model_id = self.make_model()
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        _, log, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual((log[HEADER_BYTES:], code), (self.frames_of(model_id), 1000))
+
+    def test_resume_goes_on_at_any_frame(self):
+        model_id = self.make_finished_model()
+        rows = self.index(model_id)["rows"]
+        frames = self.frames_of(model_id)
+        for sequence in range(1, len(rows) + 1):
+            with self.subTest(sequence=sequence):
+                websocket = WebSocket(self.server, f"/v1/models/{model_id}/live?from={sequence}")
+                texts, log, _ = websocket.read_to_end()
+                websocket.close()
+                self.assertEqual(texts[0]["next_sequence"], sequence)
+                self.assertEqual(log, frames[rows[sequence - 1]["end"]:])
+
+    def test_a_budget_ends_the_stream_at_its_prefix(self):
+        model_id = self.make_finished_model()
+        prefix = self.server.request("GET", f"/v1/models/{model_id}/log?vertices=1200")[2]
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live?vertices=1200")
+        _, log, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual((log[HEADER_BYTES:], code), (live_form(prefix, self.index(model_id)), 1000))
+
+    def test_a_paused_client_gets_nothing_until_it_goes_on(self):
+        model_id = self.make_model(LONG_JOB)
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        websocket.send('{"pause": true}')
+        self.server.wait_until_final(model_id)
+        while not websocket.is_silent(0.5):  # what was on its way before the pause
+            self.assertNotEqual(websocket.read()[0], "close")
+        websocket.send('{"pause": false}')
+        texts, _, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual((texts[-1]["type"], code), ("end", 1000))
+
+    def test_a_client_of_a_failed_model_is_told_why(self):
+        status, _, body = self.post(body=b"PK\x03\x04 and no more")
+        self.assertEqual(status, 202)
+        websocket = WebSocket(self.server, f"/v1/models/{json.loads(body)['id']}/live")
+        texts, log, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual((texts[-1]["state"], log, code), ("failed", b"", 1000))
+        self.assertTrue(texts[-1]["error"])
+
+    def test_events_tell_each_state_and_end(self):
+        model_id = self.make_model()
+        status, headers, body = self.server.request("GET", f"/v1/models/{model_id}/events")
+        self.assertEqual((status, headers["Content-Type"]), (200, "text/event-stream"))
+        states = [json.loads(line[6:])["state"] for line in body.decode().splitlines() if line.startswith("data: ")]
+        self.assertEqual(states[-1], "done")
+        self.assertIn("running", states)
+
+    def test_a_stopping_server_closes_live_clients(self):
+        model_id = self.make_model(LONG_JOB)
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        self.assertEqual(self.server.stop(), 0)
+        _, _, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual(code, 1001)
+
+
+if __name__ == "__main__":
+    unittest.main()
