@@ -20,7 +20,7 @@ constexpr double converged = 2e-3;      ///< a round whose energy falls by less 
 /// What the vertices, their one-rings and the batch of faces are while one round lasts.
 class Round {
 public:
-    Round(PhotoBackend& backend, const Silhouettes& silhouettes, std::vector<Vec3>& vertices,
+    Round(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
           std::span<const Triangle> triangles, const OneRings& rings, std::span<const std::int32_t> active,
           std::span<const std::int32_t> faces, const OptimiseOptions& options)
         : backend_(backend),
@@ -33,6 +33,7 @@ public:
           options_(options) {
         const SurfaceView surface(vertices_, triangles_);
         backend_.set_surface(surface, options.level, options.samples_per_px);
+        silhouettes_.look(surface);
         const std::vector<double> edges = mean_edge_lengths(surface, rings_);
         for (std::int32_t v : active_) {
             double pixel = 0;
@@ -129,7 +130,7 @@ private:
     }
 
     PhotoBackend& backend_;
-    const Silhouettes& silhouettes_;
+    Silhouettes& silhouettes_;
     std::vector<Vec3>& vertices_;
     std::span<const Triangle> triangles_;
     const OneRings& rings_;
@@ -163,7 +164,7 @@ std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const st
 
 }  // namespace
 
-bool optimise_surface(PhotoBackend& backend, const Silhouettes& silhouettes, std::vector<Vec3>& vertices,
+bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
                       std::span<const Triangle> triangles, std::span<const std::int32_t> active,
                       const OptimiseOptions& options, const std::stop_token& stop) {
     const OneRings rings({vertices, triangles});

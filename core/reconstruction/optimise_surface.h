@@ -11,14 +11,13 @@
 namespace anyrate {
 
 struct OptimiseOptions {
-    int level = 0;                ///< of the image pyramid
-    double samples_per_px = 1.0;  ///< C of Eq. 7, per pixel of that level
-    int rounds = 3;               ///< visibility is rendered once a round
-    int steps_per_round = 3;      ///< accepted steps
-    double max_step_px = 1.0;     ///< no vertex moves further in one step, pixels of the level
-    double tangential = 0.3;      ///< part of Eq. 12's step taken after each round, 0 none
-    double silhouette_reach_px =
-        3.0;                   ///< rim vertices further inside the mask do not feel it, pixels of the photographs
+    int level = 0;                      ///< of the image pyramid
+    double samples_per_px = 1.0;        ///< C of Eq. 7, per pixel of that level
+    int rounds = 3;                     ///< visibility is rendered once a round
+    int steps_per_round = 3;            ///< accepted steps
+    double max_step_px = 1.0;           ///< no vertex moves further in one step, pixels of the level
+    double tangential = 0.3;            ///< part of Eq. 12's step taken after each round, 0 none
+    double silhouette_reach_px = 12.0;  ///< see Silhouettes::terms()
     double bending = 0.05;     ///< weight of a vertex's squared umbrella, in parts of the mean curvature of phi
     double silhouette = 30.0;  ///< of a squared pixel, per pixel of contour; squared 8-bit colour units
 };
@@ -31,7 +30,7 @@ struct OptimiseOptions {
 /// Eq. 11, which remains its test.
 /// @param active  vertices that may move, ascending; empty is all
 /// @return whether anything moved
-bool optimise_surface(PhotoBackend& backend, const Silhouettes& silhouettes, std::vector<Vec3>& vertices,
+bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
                       std::span<const Triangle> triangles, std::span<const std::int32_t> active,
                       const OptimiseOptions& options, const std::stop_token& stop = {});
 

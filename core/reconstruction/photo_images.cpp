@@ -50,13 +50,7 @@ void reduce_pixel(const PhotoLevel& fine, int x, int y, std::uint8_t* out) {
 }
 
 PhotoLevel half_level(const PhotoLevel& fine) {
-    PhotoLevel level;
-    level.width = (fine.width + 1) / 2;
-    level.height = (fine.height + 1) / 2;
-    // Pixel (x, y) of the fine level stands at ((x + 0.5) / 2 - 0.5, (y + 0.5) / 2 - 0.5) of the coarse one.
-    Mat3 coarse_from_fine;
-    coarse_from_fine << 0.5, 0, -0.25, 0, 0.5, -0.25, 0, 0, 1;
-    level.P = coarse_from_fine * fine.P;
+    PhotoLevel level = without_colours(fine);
     level.rgba.resize(4 * at(level.width) * at(level.height));
     std::uint8_t* out = level.rgba.data();
     for (int y = 0; y < level.height; ++y)
@@ -65,6 +59,17 @@ PhotoLevel half_level(const PhotoLevel& fine) {
 }
 
 }  // namespace
+
+PhotoLevel without_colours(const PhotoLevel& fine) {
+    PhotoLevel level;
+    level.width = (fine.width + 1) / 2;
+    level.height = (fine.height + 1) / 2;
+    // Pixel (x, y) of the fine level stands at ((x + 0.5) / 2 - 0.5, (y + 0.5) / 2 - 0.5) of the coarse one.
+    Mat3 coarse_from_fine;
+    coarse_from_fine << 0.5, 0, -0.25, 0, 0.5, -0.25, 0, 0, 1;
+    level.P = coarse_from_fine * fine.P;
+    return level;
+}
 
 PhotoImages make_photo_images(const Capture& capture, int n_levels) {
     int smallest_side = 1 << 30;

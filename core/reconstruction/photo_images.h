@@ -36,6 +36,9 @@ struct PhotoImages {
     int n_levels() const { return views.empty() ? 0 : static_cast<int>(views.front().levels.size()); }
 };
 
+/// Size and camera of the next level, without its pixels.
+PhotoLevel without_colours(const PhotoLevel& fine);
+
 /// Builds the pyramids, `n_levels` of them or as many as leave the smaller side of the smallest image 16 pixels.
 PhotoImages make_photo_images(const Capture& capture, int n_levels = 5);
 

@@ -62,14 +62,13 @@ BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
 }
 
 /// Step 2 from the coarsest image level to the photographs themselves.
-void optimise_coarse_to_fine(PhotoBackend& backend, const Silhouettes& silhouettes, Mesh& mesh,
+void optimise_coarse_to_fine(PhotoBackend& backend, Silhouettes& silhouettes, Mesh& mesh,
                              const std::function<void(double)>& progress, const std::stop_token& stop) {
     const int first = std::min(coarsest_level, backend.n_levels() - 1);
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
         options.level = level;
         options.rounds = level == 0 ? 5 : 4;
-        options.silhouette_reach_px = 3.0 * std::ldexp(1.0, level > 1 ? 1 : 0);
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, options, stop);
         progress(1.0 - static_cast<double>(level) / (first + 1));
     }
@@ -109,7 +108,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
 
     // Step 2: mesh optimisation at a fixed rate.
     const PhotoImages images = make_photo_images(capture);
-    const Silhouettes silhouettes(capture);
+    Silhouettes silhouettes(capture);
     const auto backend = make_cpu_backend(images);
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
     if (fixed_rate) {

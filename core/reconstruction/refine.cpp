@@ -52,7 +52,7 @@ struct Targets {
 
 /// Splits the batch on a copy of the state, moves the nine vertices of each split to where the images agree most.
 Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, PhotoBackend& backend,
-                       const Silhouettes& silhouettes, const RefineOptions& options, const std::stop_token& stop) {
+                       Silhouettes& silhouettes, const RefineOptions& options, const std::stop_token& stop) {
     RefinableMesh trial = state;
     std::vector<std::int32_t> first_new(batch.size(), -1), active;
     for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -142,7 +142,7 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     return result;
 }
 
-std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const Silhouettes& silhouettes,
+std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop) {
     StateDistortion now = measure_state(backend, state, options.samples_per_px);

@@ -31,7 +31,7 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
 /// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
 /// @return the curve, the state's own point first
-std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const Silhouettes& silhouettes,
+std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop);
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "core/reconstruction/visibility.h"
 
 namespace anyrate {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr double eighths = 8.0;
+constexpr int max_coverage_side = 1024;  ///< of the coverage images
+constexpr double beyond_px = 2.0;        ///< how far outside a rim vertex the surface has to end
 
 /// Lower envelope of the parabolas (x - i)^2 + f[i]: the exact one-dimensional squared distance transform.
 /// Source: Felzenszwalb and Huttenlocher 2012, "Distance Transforms of Sampled Functions".
@@ -100,9 +103,32 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
         views_.size(),
         [&](std::size_t i) {
             const auto& view = capture.views[i];
-            views_[i] = {view.camera.P(), view.camera.centre(), silhouette_distance(view.mask)};
+            views_[i].P = view.camera.P();
+            views_[i].centre = view.camera.centre();
+            views_[i].distance = silhouette_distance(view.mask);
+            PhotoLevel& level = views_[i].coverage_level;
+            level.width = view.mask.width;
+            level.height = view.mask.height;
+            level.P = views_[i].P;
+            while (std::max(level.width, level.height) > max_coverage_side) {
+                level = without_colours(level);
+                views_[i].coverage_scale /= 2;
+            }
         },
         1);
+}
+
+void Silhouettes::look(const SurfaceView& surface) {
+    parallel_for(
+        views_.size(), [&](std::size_t i) { views_[i].coverage = render_depth(views_[i].coverage_level, surface); }, 1);
+}
+
+bool Silhouettes::is_covered(const View& view, const Vec2& pixel) {
+    const auto at_level = [&](double x) {
+        return static_cast<int>(std::lround((x + 0.5) * view.coverage_scale - 0.5));
+    };
+    const int x = at_level(pixel.x()), y = at_level(pixel.y());
+    return view.coverage.contains(x, y) && std::isfinite(view.coverage(x, y));
 }
 
 SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, bool on_rim,
@@ -117,11 +143,15 @@ SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const V
     const double fu = u - x0, fv = v - y0;
     const double a = image(x0, y0), b = image(x0 + 1, y0), c = image(x0, y0 + 1), d = image(x0 + 1, y0 + 1);
     const double distance = ((1 - fv) * (a + fu * (b - a)) + fv * (c + fu * (d - c))) / eighths;
-    const bool outside = distance < 0;
-    if (!outside && !(on_rim && distance < reach_px)) return term;
     const double dx = ((1 - fv) * (b - a) + fv * (d - c)) / eighths, dy = ((1 - fu) * (c - a) + fu * (d - b)) / eighths;
     const Vec3 q = view.P.leftCols<3>() * normal;
-    const double slope = (dx * (q.x() - u * q.z()) + dy * (q.y() - v * q.z())) / x.z();
+    const Vec2 motion = Vec2(q.x() - u * q.z(), q.y() - v * q.z()) / x.z();
+    if (distance >= 0) {
+        if (!on_rim || distance > reach_px || motion.isZero(0)) return term;
+        // With surface just beyond it, the contour lies within the object's outline.
+        if (is_covered(view, Vec2(u, v) + beyond_px * motion.normalized())) return term;
+    }
+    const double slope = dx * motion.x() + dy * motion.y();
     term.energy = distance * distance;
     term.gradient = 2 * distance * slope;
     term.hessian = 2 * slope * slope;

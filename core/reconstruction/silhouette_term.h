@@ -5,6 +5,7 @@
 
 #include "core/capture/capture.h"
 #include "core/capture/image.h"
+#include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/surface_view.h"
 
 namespace anyrate {
@@ -19,15 +20,21 @@ struct SilhouetteTerm {
     double energy = 0, gradient = 0, hessian = 0;
 };
 
-/// Pulls contours to the image contours: a vertex on the rim of the surface as a view sees it belongs on the mask's
-/// border if it is within `reach_px` of it, and no vertex belongs outside any mask. Source: Gargallo, Prados, Sturm
-/// 2007 and Delaunoy, Prados 2011 derive the pull from the visibility's derivative; here it is the squared distance to
-/// the border, which a Gauss-Newton step can use.
+/// Pulls contours to the image contours: a vertex on the rim of the surface as a view sees it, with nothing of the
+/// surface just beyond it, belongs on the mask's border, and no vertex belongs outside any mask.
+/// Source: Gargallo, Prados, Sturm 2007 and Delaunoy, Prados 2011 derive the pull from the visibility's derivative;
+/// here it is the squared distance to the border, which a Gauss-Newton step can use.
 class Silhouettes {
 public:
     explicit Silhouettes(const Capture& capture);
 
-    /// Terms of the listed vertices. @param normals one unit normal per vertex of the surface
+    /// Renders what the surface covers in every view, once for many terms().
+    void look(const SurfaceView& surface);
+
+    /// Terms of the listed vertices, by the coverage of the last look().
+    /// @param normals   one unit normal per vertex of the surface
+    /// @param reach_px  rim vertices further inside a mask do not feel its border, pixels of the photographs; at most
+    /// 15
     std::vector<SilhouetteTerm> terms(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                                       std::span<const std::int32_t> vertices, double reach_px) const;
 
@@ -36,7 +43,11 @@ private:
         Mat34 P;
         Vec3 centre;
         Image<std::int8_t> distance;
+        PhotoLevel coverage_level;  ///< its camera at a level of at most a thousand pixels a side; no colours
+        double coverage_scale = 1;  ///< of a pixel of the photograph at that level
+        Image<float> coverage;      ///< depth, infinity where there is no surface
     };
+    static bool is_covered(const View& view, const Vec2& pixel);
     static SilhouetteTerm term_in(const View& view, const Vec3& point, const Vec3& normal, bool on_rim,
                                   double reach_px);
 

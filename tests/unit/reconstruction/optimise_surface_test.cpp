@@ -103,6 +103,7 @@ TEST_CASE("Silhouette: the term's gradient is the derivative of its energy") {
     const auto normals = vertex_normals(mesh, rings);
     std::vector<std::int32_t> all(mesh.vertices.size());
     for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<std::int32_t>(v);
+    scene.silhouettes.look(mesh);
     const auto terms = scene.silhouettes.terms(mesh, rings, normals, all, 3.0);
     constexpr double h = 1e-4;
     double error = 0, size = 0;
