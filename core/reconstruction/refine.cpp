@@ -12,6 +12,10 @@
 namespace anyrate {
 namespace {
 
+/// No vertex moves further in one split than about half an edge (edge / 80 is a step): what wants to go on can do so in
+/// a later batch, and a needle's erratic normal cannot throw a spike.
+constexpr double largest_scalar = 40;
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double face_area(const Mesh& mesh, const Triangle& t) {
@@ -99,7 +103,7 @@ std::vector<SplitRecord> emit_batch(RefinableMesh& state, std::span<const std::i
             const Vec3 target_in_grid = (target - grid.origin) / grid.unit;
             const double steps = (target_in_grid - site.position).dot(site.normal) / site.step;
             if (!is_new && std::abs(steps) < dead_zone) return 0;
-            return static_cast<std::int32_t>(std::lround(steps));
+            return static_cast<std::int32_t>(std::lround(std::clamp(steps, -largest_scalar, largest_scalar)));
         }));
     }
     return records;
