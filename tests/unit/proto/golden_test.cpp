@@ -5,6 +5,8 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 #include <string>
 
 #include "proto/bytes.h"
@@ -26,6 +28,13 @@ std::vector<std::byte> read_bytes(const std::string& name) {
     const std::string text = read_text(name);
     const auto bytes = std::as_bytes(std::span(text));
     return {bytes.begin(), bytes.end()};
+}
+
+RefinableMesh state_at(std::span<const std::byte> log, std::uint32_t budget) {
+    ModelDecoder decoder;
+    decoder.set_max_vertices(budget);
+    decoder.feed(log);
+    return *decoder.state();
 }
 
 std::uint32_t crc_of_positions(const RefinableMesh& mesh) {
@@ -78,6 +87,21 @@ TEST_CASE("Golden: today's writer writes the recorded bytes") {
     CHECK(seal_log(sample.live, sample.rows) == read_bytes("icosphere.arl"));
 }
 
+TEST_CASE("Golden: the bytes listed in FORMAT.md are those of the file") {
+    std::ifstream format(FORMAT_FILE);
+    REQUIRE(format.good());
+    const std::regex listing("([0-9a-f]{4}):((?: [0-9a-f]{2})+)");
+    std::vector<std::byte> listed;
+    std::smatch match;
+    for (std::string line; std::getline(format, line);) {
+        if (!std::regex_match(line, match, listing)) continue;
+        CHECK(std::stoul(match[1], nullptr, 16) == listed.size());
+        std::istringstream values(match[2]);
+        for (unsigned value; values >> std::hex >> value;) listed.push_back(static_cast<std::byte>(value));
+    }
+    CHECK(listed == read_bytes("octahedron.arl"));
+}
+
 TEST_CASE("Golden: the worked example is what FORMAT.md says of it") {
     const auto log = read_bytes("octahedron.arl");
     const LogLayout layout = read_layout(log);
@@ -85,10 +109,16 @@ TEST_CASE("Golden: the worked example is what FORMAT.md says of it") {
                                   FrameType::end};
     REQUIRE(layout.frames.size() == std::size(expected));
     for (std::size_t i = 0; i < layout.frames.size(); ++i) CHECK(layout.frames[i].type == expected[i]);
-    const Mesh mesh = decode_mesh(log, VertexBudget{12});
-    CHECK(mesh.n_vertices() == 12);
-    CHECK(mesh.n_faces() == 20);
-    CHECK(mesh.colours.size() == 12);
+    CHECK(layout.frames[2].state_hash == 0x1cc5311a);
+
+    const RefinableMesh all = state_at(log, 12);
+    CHECK(all.positions()[10] == GridPoint{814, 528, 799});
+    CHECK(all.triangles()[12] == Triangle{9, 1, 3});
+    CHECK(decode_mesh(log, VertexBudget{12}).colours[11] == Rgb8{145, 112, 132});
+    const RefinableMesh first_split = state_at(log, 11);
+    CHECK(first_split.state_hash() == 0x1735f175);
+    CHECK(first_split.positions()[8] == GridPoint{222, 222, 523});
+    CHECK(first_split.triangles()[12] == Triangle{7, 1, 3});
 }
 
 }  // namespace anyrate
