@@ -1,5 +1,6 @@
 #include "core/mesh/remesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -27,9 +28,13 @@ constexpr int n_polishing_rounds = 4;
 /// tetrahedra leave clusters of vertices in next to one place, with triangles that face anywhere.
 constexpr double noise_length = 0.01;
 
+/// What part of an edge a point of the input may be off the mesh before a vertex reaches out for it.
+constexpr double least_reach = 0.4;
+constexpr std::size_t samples_a_vertex = 8;
+
 class Remesher {
 public:
-    explicit Remesher(const Mesh& mesh) : target_(mesh), surface_(to_surface(mesh)) {
+    explicit Remesher(const Mesh& mesh) : input_(mesh), target_(mesh), surface_(to_surface(mesh)) {
         surface_.add_property(face_);
         surface_.add_property(eroded_);
         for (const VertexHandle v : surface_.vertices()) surface_.property(face_, v) = -1;
@@ -44,6 +49,7 @@ public:
             split_longer_than(4.0 / 3.0 * length);
             collapse_shorter_than(4.0 / 5.0 * length, 4.0 / 3.0 * length);
             improve_valences();
+            reach_out(length);
             relax();
             correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
         }
@@ -160,6 +166,31 @@ private:
             surface_.set_point(v, target_.nearest(surface_.point(v), surface_.property(face_, v)).point);
     }
 
+    /// Pulls vertices to points of the input that lie off the mesh by a part of an edge, so that tips and rims which
+    /// collapses have eaten grow back. A sample of the input's vertices is asked, a few for each vertex of the mesh.
+    void reach_out(double length) {
+        const Mesh mesh = to_mesh(surface_);
+        const NearestSurface nearest(mesh);
+        const std::size_t stride =
+            std::max<std::size_t>(1, input_.vertices.size() / (samples_a_vertex * mesh.vertices.size()));
+        std::vector<NearestSurface::Hit> hits(input_.vertices.size() / stride);
+        parallel_for(hits.size(), [&](std::size_t i) { hits[i] = nearest.nearest(input_.vertices[i * stride]); });
+        std::vector<std::int32_t> farthest(mesh.vertices.size(), -1);  // the sample to go to
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            const double distance = std::sqrt(hits[i].squared_distance);
+            if (distance < least_reach * length || distance > length) continue;
+            const Vec3& p = input_.vertices[i * stride];
+            const auto& corners = mesh.triangles[hits[i].face];
+            const auto v = *std::ranges::min_element(
+                corners, {}, [&](std::int32_t c) { return (mesh.vertices[c] - p).squaredNorm(); });
+            if (farthest[v] < 0 || hits[i].squared_distance > hits[farthest[v]].squared_distance)
+                farthest[v] = static_cast<std::int32_t>(i);
+        }
+        for (std::size_t v = 0; v < farthest.size(); ++v)
+            if (farthest[v] >= 0)
+                move(surface_, VertexHandle(static_cast<int>(v)), input_.vertices[farthest[v] * stride]);
+    }
+
     /// The centre of gravity of the triangles around a vertex.
     Vec3 ring_centre(VertexHandle v) const {
         Vec3 sum = Vec3::Zero();
@@ -235,7 +266,8 @@ private:
     const Vec3& from(HalfedgeHandle h) const { return surface_.point(surface_.from_vertex_handle(h)); }
     const Vec3& to(HalfedgeHandle h) const { return surface_.point(surface_.to_vertex_handle(h)); }
 
-    NearestSurface target_;
+    const Mesh& input_;
+    NearestSurface target_;  ///< of the input
     Surface surface_;
     OpenMesh::VPropHandleT<double> eroded_;      ///< how far off the vertices may be that went into each
     OpenMesh::VPropHandleT<std::int32_t> face_;  ///< the input face each vertex was last projected to

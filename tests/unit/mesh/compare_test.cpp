@@ -7,13 +7,14 @@
 
 #include "core/error.h"
 #include "core/mesh/surface_samples.h"
+#include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
 using namespace anyrate;
 
 TEST_CASE("sample_surface: points are uniform by area") {
     // On the unit sphere the mean of z^2 is 1/3 and half of the points have |z| below 1/2 (Archimedes).
-    const std::vector<Vec3> points = sample_surface(shapes::sphere(1, 4), 40'000, 7);
+    const std::vector<Vec3> points = sample_surface(icosphere(4), 40'000, 7);
     double z2 = 0, low = 0;
     for (const Vec3& p : points) {
         z2 += p.z() * p.z() / 40'000;
@@ -24,7 +25,7 @@ TEST_CASE("sample_surface: points are uniform by area") {
 }
 
 TEST_CASE("compare: two concentric spheres are their radii's difference apart, at every point") {
-    const SurfaceDistance d = compare_surfaces(shapes::sphere(1.1, 5), shapes::sphere(1, 5), {.n_samples = 5000});
+    const SurfaceDistance d = compare_surfaces(icosphere(5, 1.1), icosphere(5), {.n_samples = 5000});
     const double expected = 0.1 / (2 * std::sqrt(3.0));  // the box of the unit sphere has the diagonal 2 sqrt(3)
     CHECK(d.accuracy == doctest::Approx(expected).epsilon(0.01));
     CHECK(d.completeness == doctest::Approx(expected).epsilon(0.01));
@@ -57,7 +58,7 @@ TEST_CASE("compare: a cube moved along x by t is t/3 away on average, and at mos
 }
 
 TEST_CASE("compare: accuracy sees what is too much, completeness what is missing") {
-    const Mesh one = shapes::sphere(1, 3), two = shapes::together(one, shapes::translated(one, {4, 0, 0}));
+    const Mesh one = icosphere(3), two = shapes::together(one, shapes::translated(one, {4, 0, 0}));
     const SurfaceDistance missing = compare_surfaces(one, two, {.n_samples = 2000});
     CHECK(missing.accuracy < 1e-12);
     CHECK(missing.completeness > 0.1);
@@ -67,14 +68,14 @@ TEST_CASE("compare: accuracy sees what is too much, completeness what is missing
 }
 
 TEST_CASE("compare: only what is seen is compared") {
-    const Mesh one = shapes::sphere(1, 3), two = shapes::together(one, shapes::translated(one, {4, 0, 0}));
+    const Mesh one = icosphere(3), two = shapes::together(one, shapes::translated(one, {4, 0, 0}));
     const auto left_one_is_seen = [](const Vec3& p) { return p.x() < 1.5; };
     CHECK(compare_surfaces(one, two, left_one_is_seen, {.n_samples = 2000}).hausdorff < 1e-12);
     CHECK_THROWS_AS(compare_surfaces(one, two, [](const Vec3&) { return false; }), InputError);
 }
 
 TEST_CASE("compare: one thread and many give the same numbers") {
-    const Mesh a = shapes::sphere(1.05, 3), b = shapes::sphere(1, 4);
+    const Mesh a = icosphere(3, 1.05), b = icosphere(4);
     const SurfaceDistance many = compare_surfaces(a, b, {.n_samples = 3000});
     const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
     const SurfaceDistance one = compare_surfaces(a, b, {.n_samples = 3000});
@@ -84,6 +85,6 @@ TEST_CASE("compare: one thread and many give the same numbers") {
 }
 
 TEST_CASE("compare: a surface without area is refused") {
-    CHECK_THROWS_AS(compare_surfaces(Mesh{}, shapes::sphere(1, 1)), InputError);
-    CHECK_THROWS_AS(compare_surfaces(shapes::sphere(1, 1), Mesh{}), InputError);
+    CHECK_THROWS_AS(compare_surfaces(Mesh{}, icosphere(1)), InputError);
+    CHECK_THROWS_AS(compare_surfaces(icosphere(1), Mesh{}), InputError);
 }

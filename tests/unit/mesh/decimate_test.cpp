@@ -5,12 +5,13 @@
 #include "core/error.h"
 #include "core/mesh/compare.h"
 #include "core/mesh/topology.h"
+#include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
 using namespace anyrate;
 
 TEST_CASE("decimate: meets the count, stays closed and near the input") {
-    const Mesh fine = shapes::torus(2, 0.5, 100, 40);
+    const Mesh fine = torus(2, 0.5, 100, 40);
     const Mesh coarse = decimate(fine, 400);
     const Topology topology = measure_topology(coarse);
     CHECK(topology.n_vertices == 400);
@@ -20,7 +21,7 @@ TEST_CASE("decimate: meets the count, stays closed and near the input") {
 }
 
 TEST_CASE("decimate: the vertices left are vertices of the input, far from the origin too") {
-    const Mesh fine = shapes::translated(shapes::sphere(1, 3), {4e6, 0, 0});
+    const Mesh fine = shapes::translated(icosphere(3), {4e6, 0, 0});
     const Mesh coarse = decimate(fine, 100);
     CHECK(coarse.n_vertices() == 100);
     for (const Vec3& v : coarse.vertices) CHECK((v - Vec3(4e6, 0, 0)).norm() == doctest::Approx(1).epsilon(1e-6));

@@ -7,6 +7,7 @@
 #include "core/mesh/edges.h"
 #include "core/mesh/homology.h"
 #include "core/mesh/topology.h"
+#include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
 using namespace anyrate;
@@ -36,12 +37,12 @@ Mesh torus_with_noise(int n) {
 
 TEST_CASE("homology: on a torus the circles both ways have a signature, the rim of a triangle has none") {
     const int around = 12, across = 8;
-    const Mesh torus = shapes::torus(2, 1, around, across);
-    const auto twin = twin_halfedges(torus);
-    const auto signature = homology_signatures(torus, twin);
+    const Mesh ring = torus(2, 1, around, across);
+    const auto twin = twin_halfedges(ring);
+    const auto signature = homology_signatures(ring, twin);
     const auto along = [&](int from, int to) {
-        for (std::int32_t h = 0; h < 3 * torus.n_faces(); ++h)
-            if (origin(torus, h) == from && target(torus, h) == to) return signature[h];
+        for (std::int32_t h = 0; h < 3 * ring.n_faces(); ++h)
+            if (origin(ring, h) == from && target(ring, h) == to) return signature[h];
         FAIL("no such edge");
         return std::uint64_t{0};
     };
@@ -51,7 +52,7 @@ TEST_CASE("homology: on a torus the circles both ways have a signature, the rim 
     CHECK(major != 0);
     CHECK(minor != 0);
     CHECK(major != minor);
-    for (std::int32_t f = 0; f < torus.n_faces(); ++f)
+    for (std::int32_t f = 0; f < ring.n_faces(); ++f)
         CHECK((signature[3 * f] ^ signature[3 * f + 1] ^ signature[3 * f + 2]) == 0);
 }
 
@@ -96,14 +97,14 @@ TEST_CASE("remove_small_handles: a lattice of fifty tunnels becomes a ball") {
 }
 
 TEST_CASE("remove_small_handles: genus zero comes back unchanged, also in pieces") {
-    const Mesh both = shapes::together(shapes::sphere(1, 2), shapes::translated(shapes::sphere(1, 1), {5, 0, 0}));
+    const Mesh both = shapes::together(icosphere(2), shapes::translated(icosphere(1), {5, 0, 0}));
     CHECK(remove_small_handles(both, 100).vertices == both.vertices);
 }
 
 TEST_CASE("remove_small_handles: colours stay one a vertex") {
-    Mesh torus = shapes::torus(2, 0.5, 40, 12);
-    torus.colours.assign(torus.vertices.size(), Rgb8{9, 8, 7});
-    const Mesh cut = remove_small_handles(torus, 4);
+    Mesh ring = torus(2, 0.5, 40, 12);
+    ring.colours.assign(ring.vertices.size(), Rgb8{9, 8, 7});
+    const Mesh cut = remove_small_handles(ring, 4);
     CHECK(measure_topology(cut).euler == 2);
     CHECK(cut.colours == std::vector<Rgb8>(cut.vertices.size(), Rgb8{9, 8, 7}));
 }

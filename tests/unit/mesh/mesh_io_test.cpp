@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
 using namespace anyrate;
@@ -24,7 +25,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
 Mesh decode(const std::string& text, MeshFormat format) { return decode_mesh_file(bytes_of(text), format, "test"); }
 
 Mesh coloured_sphere() {
-    Mesh mesh = shapes::sphere(0.7, 1);
+    Mesh mesh = icosphere(1, 0.7);
     for (int v = 0; v < mesh.n_vertices(); ++v)
         mesh.colours.push_back({static_cast<std::uint8_t>(6 * v), static_cast<std::uint8_t>(255 - 5 * v), 17});
     return mesh;
@@ -87,7 +88,7 @@ TEST_CASE("PLY: positions come back as floats, triangles and colours unchanged")
 }
 
 TEST_CASE("PLY: far from the origin positions are doubles and come back unchanged") {
-    const Mesh mesh = shapes::translated(shapes::sphere(0.7, 1), {4.5e6, 5.1e5, -120});
+    const Mesh mesh = shapes::translated(icosphere(1, 0.7), {4.5e6, 5.1e5, -120});
     const Mesh back = decode_mesh_file(encode_mesh_file(mesh, MeshFormat::ply), MeshFormat::ply, "far.ply");
     CHECK(back.vertices == mesh.vertices);
 }
@@ -236,7 +237,7 @@ TEST_CASE("GLB: colours are linear light, black and white stay what they are") {
 
 TEST_CASE("GLB: far from the origin the node carries the place") {
     const Vec3 far(4.5e6, 5.1e5, -120);
-    const Mesh mesh = shapes::translated(shapes::sphere(0.7, 1), far);
+    const Mesh mesh = shapes::translated(icosphere(1, 0.7), far);
     const Glb glb = parse_glb(encode_mesh_file(mesh, MeshFormat::glb));
     const int position = glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
     for (std::size_t i = 0; i < 3; ++i) {

@@ -2,41 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
 namespace anyrate::shapes {
 namespace {
-
-Mesh icosahedron() {
-    const double g = std::numbers::phi;
-    Mesh mesh;
-    mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
-                     {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-    mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    return mesh;
-}
-
-/// Every face in four, with the new vertices at the edges' middles.
-Mesh divided(const Mesh& mesh) {
-    Mesh fine{.vertices = mesh.vertices, .triangles = {}, .colours = {}};
-    std::map<std::pair<int, int>, int> middle;
-    const auto middle_of = [&](int a, int b) {
-        const auto [place, is_new] = middle.try_emplace(std::minmax(a, b), fine.n_vertices());
-        if (is_new) fine.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]) / 2);
-        return place->second;
-    };
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const int ab = middle_of(a, b), bc = middle_of(b, c), ca = middle_of(c, a);
-        for (const Triangle& t : {Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
-            fine.triangles.push_back(t);
-    }
-    return fine;
-}
 
 /// Marching tetrahedra on the Kuhn division of a cubic grid; vertices are shared by the grid edge they lie on.
 class TetrahedronMarch {
@@ -114,28 +84,6 @@ Mesh tetrahedron() {
     return {.vertices = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}},
             .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}},
             .colours = {}};
-}
-
-Mesh sphere(double radius, int levels) {
-    Mesh mesh = icosahedron();
-    for (int level = 0; level < levels; ++level) mesh = divided(mesh);
-    for (Vec3& v : mesh.vertices) v = radius * v.normalized();
-    return mesh;
-}
-
-Mesh torus(double major_radius, double minor_radius, int around, int across) {
-    Mesh mesh;
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
-            const double r = major_radius + minor_radius * std::cos(v);
-            mesh.vertices.emplace_back(r * std::cos(u), r * std::sin(u), minor_radius * std::sin(v));
-            const int i1 = (i + 1) % around, j1 = (j + 1) % across;
-            const int a = i * across + j, b = i1 * across + j, c = i1 * across + j1, d = i * across + j1;
-            mesh.triangles.push_back({a, b, c});
-            mesh.triangles.push_back({a, c, d});
-        }
-    return mesh;
 }
 
 Mesh zero_set(const std::function<double(const Vec3&)>& field, int n) { return TetrahedronMarch(field, n).march(); }

@@ -2,19 +2,20 @@
 
 #include <doctest/doctest.h>
 
+#include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
 using namespace anyrate;
 
 TEST_CASE("Topology: a sphere has Euler number 2 and a torus 0") {
-    const Topology sphere = measure_topology(shapes::sphere(1, 3));
+    const Topology sphere = measure_topology(icosphere(3));
     CHECK(sphere.is_closed_manifold());
     CHECK(sphere.n_components == 1);
     CHECK(sphere.euler == 2);
     CHECK(sphere.n_edges * 2 == sphere.n_faces * 3);
-    const Topology torus = measure_topology(shapes::torus(2, 1, 20, 10));
-    CHECK(torus.is_closed_manifold());
-    CHECK(torus.euler == 0);
+    const Topology ring = measure_topology(torus(2, 1, 20, 10));
+    CHECK(ring.is_closed_manifold());
+    CHECK(ring.euler == 0);
 }
 
 TEST_CASE("Topology: a double torus by marching tetrahedra has genus 2") {
@@ -34,12 +35,12 @@ TEST_CASE("Topology: a double torus by marching tetrahedra has genus 2") {
 
 TEST_CASE("Topology: every kind of fault is counted") {
     SUBCASE("a missing triangle leaves three boundary edges") {
-        Mesh open = shapes::sphere(1, 1);
+        Mesh open = icosphere(1);
         open.triangles.pop_back();
         CHECK(measure_topology(open).n_boundary_edges == 3);
     }
     SUBCASE("a turned triangle disagrees along its three edges") {
-        Mesh turned = shapes::sphere(1, 1);
+        Mesh turned = icosphere(1);
         std::swap(turned.triangles[7][0], turned.triangles[7][1]);
         CHECK(measure_topology(turned).n_inconsistent_edges == 3);
     }
@@ -69,7 +70,7 @@ TEST_CASE("Topology: every kind of fault is counted") {
 }
 
 TEST_CASE("largest_component: the piece of largest volume stays, not the one of most triangles") {
-    const Mesh small = shapes::sphere(0.1, 3), large = shapes::translated(shapes::sphere(1, 1), {5, 0, 0});
+    const Mesh small = icosphere(3, 0.1), large = shapes::translated(icosphere(1), {5, 0, 0});
     for (const Mesh& both : {shapes::together(small, large), shapes::together(large, small)}) {
         CHECK(measure_topology(both).n_components == 2);
         const Mesh kept = largest_component(both);
@@ -79,7 +80,7 @@ TEST_CASE("largest_component: the piece of largest volume stays, not the one of 
 }
 
 TEST_CASE("largest_component: colours follow their vertices") {
-    Mesh small = shapes::sphere(0.1, 1), large = shapes::sphere(1, 1);
+    Mesh small = icosphere(1, 0.1), large = icosphere(1);
     small.colours.assign(small.vertices.size(), Rgb8{1, 2, 3});
     large.colours.assign(large.vertices.size(), Rgb8{4, 5, 6});
     CHECK(largest_component(shapes::together(small, large)).colours == large.colours);
