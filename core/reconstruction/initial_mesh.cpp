@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "core/mesh/topology.h"
+#include "core/reconstruction/confirmed_depth.h"
 #include "core/reconstruction/iso_surface.h"
+#include "core/reconstruction/open_cavities.h"
+#include "core/reconstruction/plane_sweep.h"
 #include "core/reconstruction/poisson.h"
 #include "core/reconstruction/visual_hull.h"
 
@@ -26,17 +29,19 @@ constexpr double handle_loop_cells = 8.0;
 
 }  // namespace
 
-Mesh initial_surface(const Capture& capture, const ProgressFn& progress) {
+Mesh initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress) {
     const auto report = [&](Stage stage, double fraction) {
         if (progress) progress({stage, fraction, 0, 0.0});
     };
     report(Stage::hull, 0.0);
     const VisualHull hull = visual_hull(capture);
+    report(Stage::hull, 0.5);
+    const auto points = open_cavities(hull, confirm_depths(plane_sweep(images, hull)));
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
-    const ScalarField field = poisson_field(hull.points, {.spacing = spacing});
+    const ScalarField field = poisson_field(points, {.spacing = spacing});
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
     Mesh clean = remove_small_handles(surface, handle_loop_cells * spacing);

@@ -100,14 +100,14 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     };
 
     // Step 1: hull, Poisson, remesh.
-    const Mesh fine = initial_surface(capture, tell);
+    const PhotoImages images = make_photo_images(capture);
+    const Mesh fine = initial_surface(capture, images, tell);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
     Mesh mesh = remesh_isotropic(fine, {.n_vertices = n_base});
 
     // Step 2: mesh optimisation at a fixed rate.
-    const PhotoImages images = make_photo_images(capture);
     Silhouettes silhouettes(capture);
     const auto backend = make_cpu_backend(images);
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
