@@ -17,7 +17,7 @@ struct OrientedPoint {
 };
 
 /// The visual hull's boundary as an even cloud of oriented points, placed on the silhouette cones to a fraction of a
-/// cell; thin parts down to about one pixel survive.
+/// cell; thin parts down to about one pixel survive, somewhat thickened.
 struct VisualHull {
     Vec3 lower, upper;  ///< tight bounding box of the hull, world units
     double cell = 0;    ///< edge of the finest cell, world units
