@@ -30,47 +30,49 @@ double twice_signed_area(const Vec2& a, const Vec2& b, const Vec2& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-void rasterise(const Vec3 x[3], Image<float>& depth) {
-    // 1/z is linear on the screen.
-    Vec2 p[3];
-    double inverse_z[3];
-    for (int k = 0; k < 3; ++k) {
-        if (x[k].z() <= 0) return;
-        inverse_z[k] = 1.0 / x[k].z();
-        p[k] = x[k].head<2>() * inverse_z[k];
-    }
+/// Draws one triangle into an image of inverse depths, the largest of which is the nearest. 1/z is linear on the
+/// screen. Faces that look away are left out: the nearest part of a closed surface always looks at the camera.
+void rasterise(const Vec3& a, const Vec3& b, const Vec3& c, Image<float>& inverse_depth) {
+    if (a.z() <= 0 || b.z() <= 0 || c.z() <= 0) return;
+    const Vec2 p[3] = {a.hnormalized(), b.hnormalized(), c.hnormalized()};
+    // Counter-clockwise from outside is clockwise in an image whose y runs down.
     const double area = twice_signed_area(p[0], p[1], p[2]);
-    if (area == 0) return;
+    if (area >= 0) return;
     const auto [x_min, x_max] = std::minmax({p[0].x(), p[1].x(), p[2].x()});
     const auto [y_min, y_max] = std::minmax({p[0].y(), p[1].y(), p[2].y()});
-    if (!(x_max >= 0 && y_max >= 0 && x_min <= depth.width - 1 && y_min <= depth.height - 1)) return;
+    if (!(x_max >= 0 && y_max >= 0 && x_min <= inverse_depth.width - 1 && y_min <= inverse_depth.height - 1)) return;
     const int i0 = static_cast<int>(std::ceil(std::max(x_min, 0.0)));
-    const int i1 = static_cast<int>(std::floor(std::min(x_max, depth.width - 1.0)));
+    const int i1 = static_cast<int>(std::floor(std::min(x_max, inverse_depth.width - 1.0)));
     const int j0 = static_cast<int>(std::ceil(std::max(y_min, 0.0)));
-    const int j1 = static_cast<int>(std::floor(std::min(y_max, depth.height - 1.0)));
-    for (int j = j0; j <= j1; ++j)
-        for (int i = i0; i <= i1; ++i) {
-            const Vec2 q(i, j);
-            const double a = twice_signed_area(p[1], p[2], q) / area;
-            const double b = twice_signed_area(p[2], p[0], q) / area;
-            const double c = 1.0 - a - b;
-            if (a < 0 || b < 0 || c < 0) continue;
-            const auto z = static_cast<float>(1.0 / (a * inverse_z[0] + b * inverse_z[1] + c * inverse_z[2]));
-            float& nearest = depth(i, j);
-            nearest = std::min(nearest, z);
-        }
+    const int j1 = static_cast<int>(std::floor(std::min(y_max, inverse_depth.height - 1.0)));
+    if (i0 > i1 || j0 > j1) return;
+
+    // Barycentric coordinates and 1/z as linear functions of the pixel, stepped along the rows.
+    const double per_area = 1.0 / area;
+    const double u_x = (p[1].y() - p[2].y()) * per_area, u_y = (p[2].x() - p[1].x()) * per_area;
+    const double v_x = (p[2].y() - p[0].y()) * per_area, v_y = (p[0].x() - p[2].x()) * per_area;
+    const double za = 1.0 / a.z(), zb = 1.0 / b.z(), zc = 1.0 / c.z();
+    const double z_x = (za - zc) * u_x + (zb - zc) * v_x;
+    for (int j = j0; j <= j1; ++j) {
+        const Vec2 from_c(i0 - p[2].x(), j - p[2].y());
+        double u = u_x * from_c.x() + u_y * from_c.y();
+        double v = v_x * from_c.x() + v_y * from_c.y();
+        double inverse_z = zc + (za - zc) * u + (zb - zc) * v;
+        float* pixel = &inverse_depth(i0, j);
+        for (int i = i0; i <= i1; ++i, u += u_x, v += v_x, inverse_z += z_x, ++pixel)
+            if (u >= 0 && v >= 0 && u + v <= 1) *pixel = std::max(*pixel, static_cast<float>(inverse_z));
+    }
 }
 
 }  // namespace
 
 Image<float> render_depth(const PhotoLevel& level, const SurfaceView& surface) {
-    Image<float> depth(level.width, level.height, std::numeric_limits<float>::infinity());
+    Image<float> depth(level.width, level.height, 0.0F);
     std::vector<Vec3> projected(surface.vertices.size());
     for (std::size_t v = 0; v < projected.size(); ++v) projected[v] = level.P * surface.vertices[v].homogeneous();
-    for (const Triangle& t : surface.triangles) {
-        const Vec3 x[3] = {projected[at(t[0])], projected[at(t[1])], projected[at(t[2])]};
-        rasterise(x, depth);
-    }
+    for (const Triangle& t : surface.triangles)
+        rasterise(projected[at(t[0])], projected[at(t[1])], projected[at(t[2])], depth);
+    for (float& d : depth.pixels) d = d > 0 ? 1.0F / d : std::numeric_limits<float>::infinity();
     return depth;
 }
 
