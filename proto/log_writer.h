@@ -16,6 +16,8 @@ using ByteSink = std::function<void(std::span<const std::byte>)>;
 
 /// Encodes a model as it is made: header, base, colours, then refine and colour frames, each handed to the byte sink as
 /// soon as it is whole (the live form of proto/FORMAT.md, no index). After each frame rows() has one more row.
+/// Calls out of order, records that do not lead to the given state, and faces that do not ascend are InputErrors; after
+/// any exception the log is whole up to its last frame, and the writer is of no more use.
 class LogWriter final : public ModelSink {
 public:
     /// @param log_id   identity of the model, also its ETag; any value
