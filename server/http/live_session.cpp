@@ -118,9 +118,12 @@ awaitable<bool> send_frames(Connection& connection, const LogView& log) {
     co_return !connection.is_paused && connection.cursor.is_complete(log);
 }
 
-std::string end_message(const std::optional<ModelRecord>& model) {
-    nlohmann::ordered_json end = {{"type", "end"}, {"state", model ? state_name(model->state) : "deleted"}};
-    if (model && !model->error.empty()) end["error"] = model->error;
+std::string end_message(const Snapshot& now) {
+    // The log is sealed a moment before the catalog hears of it.
+    const bool is_done = now.log && now.log->sealed;
+    const char* state = is_done ? state_name(ModelState::done) : now.model ? state_name(now.model->state) : "deleted";
+    nlohmann::ordered_json end = {{"type", "end"}, {"state", state}};
+    if (now.model && !now.model->error.empty()) end["error"] = now.model->error;
     return end.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -140,7 +143,7 @@ awaitable<websocket::close_code> follow(Connection& connection) {
         }
         const bool has_ended = !now.model || (is_final(now.model->state) && !(now.log && now.log->sealed));
         if (is_complete || has_ended) {
-            std::string end = end_message(now.model);
+            std::string end = end_message(now);
             co_await send_text(connection, std::move(end));
             co_return websocket::close_code::normal;
         }

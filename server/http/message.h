@@ -41,11 +41,11 @@ struct Upload {
 
 struct Request {
     std::string method = "GET";
-    std::string path = "/";                       ///< decoded, without the query
-    std::map<std::string, std::string> query;     ///< decoded
-    std::map<std::string, std::string> captured;  ///< what the route's {names} stood for
-    Headers headers;
-    std::optional<Upload> upload;
+    std::string path = "/";                            ///< decoded, without the query
+    std::map<std::string, std::string> query = {};     ///< decoded
+    std::map<std::string, std::string> captured = {};  ///< what the route's {names} stood for
+    Headers headers = {};
+    std::optional<Upload> upload = {};
 };
 
 /// Bytes of an open file.
@@ -68,8 +68,8 @@ struct EventsBody {
 
 struct Response {
     int status = 200;
-    Headers headers;
-    std::variant<std::string, FileBody, LiveBody, EventsBody> body;
+    Headers headers = {};
+    std::variant<std::string, FileBody, LiveBody, EventsBody> body = {};
 };
 
 }  // namespace anyrate

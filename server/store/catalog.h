@@ -23,10 +23,10 @@ struct ModelOptions {
 /// How far a job is; what a worker reports.
 struct JobProgress {
     std::string stage;
-    double fraction = 0;           ///< of the stage, 0..1
-    std::uint32_t n_vertices = 0;  ///< that are in the durable log
-    std::uint64_t n_bytes = 0;     ///< of the durable log
-    std::optional<double> psi;     ///< Eq. 10, squared 8-bit colour units
+    double fraction = 0;             ///< of the stage, 0..1
+    std::uint32_t n_vertices = 0;    ///< that are in the durable log
+    std::uint64_t n_bytes = 0;       ///< of the durable log
+    std::optional<double> psi = {};  ///< Eq. 10, squared 8-bit colour units
     friend bool operator==(const JobProgress&, const JobProgress&) = default;
 };
 

@@ -1,0 +1,190 @@
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/mesh/mesh_io.h"
+#include "proto/log_reader.h"
+#include "server/http/service.h"
+#include "server/store/model_id.h"
+#include "server/store/sqlite_catalog.h"
+#include "tests/unit/server/small_model.h"
+#include "tests/unit/server/temporary_folder.h"
+
+using namespace anyrate;
+
+namespace {
+
+/// The interface over an empty data directory, without a socket.
+struct Fixture {
+    TemporaryFolder folder;
+    ModelStore store{folder.path()};
+    SqliteCatalog catalog{store.catalog_file()};
+    int n_queued = 0;
+    Service service{.catalog = catalog,
+                    .store = store,
+                    .on_queued = [this] { ++n_queued; },
+                    .on_removed = [](const std::string&) {},
+                    .min_free_bytes = 0};
+    Router router = make_router(service);
+
+    Response get(const std::string& path, std::map<std::string, std::string> query = {}, Headers headers = {}) {
+        return answer(router,
+                      {.method = "GET", .path = path, .query = std::move(query), .headers = std::move(headers)});
+    }
+    Response post(const std::string& body, std::map<std::string, std::string> query = {}, std::string key = "") {
+        const auto file = store.upload_file("upload");
+        replace_file(file, as_bytes(body));
+        Request request{.method = "POST", .path = "/v1/models", .query = std::move(query)};
+        request.headers.add("content-type", "application/zip; x=y");
+        if (!key.empty()) request.headers.add("Idempotency-Key", key);
+        request.upload = Upload{file, body.size()};
+        return answer(router, request);
+    }
+    /// A finished model, made by a job that takes no time.
+    std::string finished_model(int n_batches = 4) {
+        const std::string id = nlohmann::json::parse(text(post("PK\x03\x04")))["id"];
+        catalog.claim_next({});
+        run_job({.model_id = id, .paths = store.paths(id), .options = {}}, small_job_steps(n_batches),
+                [](const WorkerMessage&) {}, {});
+        catalog.finish(id, ModelState::done, "", {});
+        return id;
+    }
+    static std::string text(const Response& response) { return std::get<std::string>(response.body); }
+    static std::vector<std::byte> file_bytes(const Response& response) {
+        const auto& body = std::get<FileBody>(response.body);
+        return read_at(*body.file, body.begin, static_cast<std::size_t>(body.n_bytes));
+    }
+};
+
+}  // namespace
+
+TEST_CASE("POST: a zip becomes a queued model with its options, and its capture is kept") {
+    Fixture f;
+    const Response response = f.post("PK\x03\x04 rest", {{"vertices", "3000"}});
+    REQUIRE(response.status == 202);
+    const auto model = nlohmann::json::parse(f.text(response));
+    CHECK(response.headers.find("Location") == "/v1/models/" + model["id"].get<std::string>());
+    CHECK(model["state"] == "queued");
+    CHECK(model["options"]["vertices"] == 3000);
+    CHECK(as_text(read_file(f.store.paths(model["id"]).capture)) == "PK\x03\x04 rest");
+    CHECK(f.n_queued == 1);
+}
+
+TEST_CASE("POST: what is no zip or has bad options makes no model") {
+    Fixture f;
+    CHECK(f.post("GIF89a").status == 400);
+    CHECK(f.post("").status == 400);
+    CHECK(f.post("PK\x03\x04", {{"vertices", "many"}}).status == 400);
+    CHECK(f.post("PK\x03\x04", {{"vertices", "500"}, {"coarse", "501"}}).status == 400);
+    CHECK(f.post("PK\x03\x04", {{"sides", "5"}}).status == 400);
+    CHECK(f.catalog.list(10, "").models.empty());
+    CHECK(f.n_queued == 0);
+}
+
+TEST_CASE("POST: one Idempotency-Key makes one model, and belongs to one request") {
+    Fixture f;
+    const auto first = f.text(f.post("PK\x03\x04", {}, "key"));
+    CHECK(f.text(f.post("PK\x03\x04", {}, "key")) == first);
+    CHECK(f.post("PK\x03\x04 other", {}, "key").status == 422);
+    CHECK(f.catalog.list(10, "").models.size() == 1);
+}
+
+TEST_CASE("Log: a budget gets a prefix that decodes to 0 to 2 vertices below it") {
+    Fixture f;
+    const std::string id = f.finished_model(4);  // 6 to 18 vertices
+    const auto whole = f.file_bytes(f.get("/v1/models/" + id + "/log"));
+    CHECK(whole == read_file(f.store.paths(id).sealed_log));
+    for (std::uint32_t n = 6; n <= 18; ++n) {
+        CAPTURE(n);
+        const auto prefix = f.file_bytes(f.get("/v1/models/" + id + "/log", {{"vertices", std::to_string(n)}}));
+        CHECK(std::equal(prefix.begin(), prefix.end(), whole.begin()));
+        const auto got = static_cast<std::uint32_t>(decode_mesh(prefix, VertexBudget{n}).n_vertices());
+        CHECK(got <= n);
+        CHECK(got + 2 >= n);
+    }
+}
+
+TEST_CASE("Log: ranges, conditions and caching of a sealed log") {
+    Fixture f;
+    const std::string log = "/v1/models/" + f.finished_model() + "/log";
+    const Response whole = f.get(log);
+    const std::string etag(whole.headers.find("ETag").value());
+    CHECK(whole.headers.find("Content-Type") == "model/vnd.anyrate");
+    CHECK(whole.headers.find("Cache-Control")->find("immutable") != std::string_view::npos);
+    CHECK_FALSE(whole.headers.find("Content-Encoding"));
+
+    const Response part = f.get(log, {}, {{"Range", "bytes=8-15"}, {"If-Range", etag}});
+    CHECK(part.status == 206);
+    CHECK(f.file_bytes(part).size() == 8);
+    CHECK(f.get(log, {}, {{"Range", "bytes=8-15"}, {"If-Range", "\"old\""}}).status == 200);
+    CHECK(f.get(log, {}, {{"If-None-Match", etag}}).status == 304);
+    const Response outside = f.get(log, {}, {{"Range", "bytes=99999999-"}});
+    CHECK(outside.status == 416);
+    CHECK(outside.headers.find("Content-Range")->substr(0, 8) == "bytes */");
+}
+
+TEST_CASE("Log: two budgets with different bytes have different tags") {
+    Fixture f;
+    const std::string log = "/v1/models/" + f.finished_model() + "/log";
+    CHECK(f.get(log, {{"vertices", "9"}}).headers.find("ETag") !=
+          f.get(log, {{"vertices", "18"}}).headers.find("ETag"));
+}
+
+TEST_CASE("Index: binary and JSON hold the same rows") {
+    Fixture f;
+    const std::string index = "/v1/models/" + f.finished_model(3) + "/index";
+    const SideIndex binary = decode_index(as_bytes(f.text(f.get(index))));
+    const auto json = nlohmann::json::parse(f.text(f.get(index, {}, {{"Accept", "application/json"}})));
+    REQUIRE(json["rows"].size() == binary.rows.size());
+    for (std::size_t i = 0; i < binary.rows.size(); ++i) CHECK(json["rows"][i]["end"] == binary.rows[i].end);
+}
+
+TEST_CASE("Mesh: the file is the decoded mesh") {
+    Fixture f;
+    const std::string id = f.finished_model();
+    const auto log = read_file(f.store.paths(id).sealed_log);
+    const auto expected = encode_mesh_file(decode_mesh(log, VertexBudget{12}), MeshFormat::obj);
+    CHECK(f.text(f.get("/v1/models/" + id + "/mesh.obj", {{"vertices", "12"}})) == as_text(expected));
+}
+
+TEST_CASE("DELETE: a model and its files are gone") {
+    Fixture f;
+    const std::string id = f.finished_model();
+    CHECK(answer(f.router, {.method = "DELETE", .path = "/v1/models/" + id}).status == 204);
+    CHECK_FALSE(std::filesystem::exists(f.store.paths(id).folder));
+    CHECK(f.get("/v1/models/" + id).status == 404);
+}
+
+TEST_CASE("List: pages hold every model once, newest first") {
+    Fixture f;
+    std::vector<std::string> made;
+    for (int i = 0; i < 5; ++i) made.push_back(nlohmann::json::parse(f.text(f.post("PK\x03\x04")))["id"]);
+    std::vector<std::string> listed;
+    std::map<std::string, std::string> query{{"limit", "2"}};
+    for (bool more = true; more;) {
+        const auto page = nlohmann::json::parse(f.text(f.get("/v1/models", query)));
+        for (const auto& model : page["models"]) listed.push_back(model["id"]);
+        more = page.contains("next");
+        query["after"] = listed.back();
+    }
+    CHECK(listed == std::vector<std::string>(made.rbegin(), made.rend()));
+}
+
+TEST_CASE("Page: a sentence with markup stays text") {
+    Fixture f;
+    f.post("PK\x03\x04");
+    const auto model = f.catalog.claim_next({});
+    f.catalog.finish(model->id, ModelState::failed, "<script>alert(1)</script>", {});
+    const std::string page = f.text(f.get("/"));
+    CHECK(page.find("<script>") == std::string::npos);
+    CHECK(page.find("&lt;script&gt;") != std::string::npos);
+}
+
+TEST_CASE("Readiness: a full disk is told, and takes no upload") {
+    Fixture f;
+    f.service.min_free_bytes = UINT64_MAX;
+    CHECK(f.get("/healthz").status == 200);
+    CHECK(f.get("/readyz").status == 503);
+    CHECK(f.post("PK\x03\x04").status == 507);
+}

@@ -1,0 +1,93 @@
+#include "server/http/live_cursor.h"
+
+#include <doctest/doctest.h>
+
+#include <utility>
+#include <vector>
+
+#include "proto/header.h"
+#include "proto/log_reader.h"
+#include "server/jobs/durable_sink.h"
+#include "tests/unit/server/small_model.h"
+#include "tests/unit/server/temporary_folder.h"
+
+using namespace anyrate;
+
+namespace {
+
+struct Logs {
+    TemporaryFolder folder;
+    std::filesystem::path live = folder.path() / "log.live", sealed = folder.path() / "model.arl";
+
+    LogView view() const { return open_log(sealed, live).value(); }
+};
+
+std::vector<std::byte> drain(LiveCursor& cursor, const LogView& log, std::size_t message_bytes) {
+    std::vector<std::byte> all;
+    while (const auto message = cursor.next_message(log, message_bytes))
+        all.insert(all.end(), message->begin(), message->end());
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("Live cursor: a sealed log and one that is watched while it grows give the same bytes") {
+    Logs logs;
+    LiveCursor watching(0, UINT32_MAX);
+    std::vector<std::byte> watched;
+    bool greeted = false;
+    DurableSink sink(7, logs.live, [&](const RatePoint&) {
+        if (!std::exchange(greeted, true)) watching.hello(logs.view());
+        const auto news = drain(watching, logs.view(), 1);
+        watched.insert(watched.end(), news.begin(), news.end());
+        CHECK_FALSE(watching.is_complete(logs.view()));
+    });
+    write_small_model(sink, 5);
+    sink.seal(logs.sealed);
+    const auto rest = drain(watching, logs.view(), 1);
+    watched.insert(watched.end(), rest.begin(), rest.end());
+    CHECK(watching.is_complete(logs.view()));
+
+    LiveCursor late(0, UINT32_MAX);
+    late.hello(logs.view());
+    CHECK(drain(late, logs.view(), 16384) == watched);
+    CHECK(read_layout(watched).ended);
+    CHECK(decode_mesh(watched, VertexBudget{UINT32_MAX}).vertices ==
+          decode_mesh(read_file(logs.sealed), VertexBudget{UINT32_MAX}).vertices);
+}
+
+TEST_CASE("Live cursor: two connections that meet at any frame give what one gives") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    write_small_model(sink, 5);
+    sink.seal(logs.sealed);
+    const LogView log = logs.view();
+    LiveCursor whole(0, UINT32_MAX);
+    whole.hello(log);
+    const auto expected = drain(whole, log, 16384);
+    for (std::uint32_t from = 1; from <= log.rows.size(); ++from) {
+        LiveCursor second(from, UINT32_MAX);
+        second.hello(log);
+        const auto tail = drain(second, log, 16384);
+        const std::size_t met = header_size + log.rows[from - 1].end;
+        CHECK(tail == std::vector<std::byte>(expected.begin() + static_cast<std::ptrdiff_t>(met), expected.end()));
+    }
+}
+
+TEST_CASE("Live cursor: a budget is complete at its prefix, and a raise goes on from there") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    write_small_model(sink, 5);
+    sink.seal(logs.sealed);
+    const LogView log = logs.view();
+    LiveCursor cursor(0, 9);
+    cursor.hello(log);
+    auto bytes = drain(cursor, log, 16384);
+    CHECK(cursor.is_complete(log));
+    CHECK(decode_mesh(bytes, VertexBudget{9}).n_vertices() == 9);
+    cursor.set_max_vertices(UINT32_MAX);
+    CHECK_FALSE(cursor.is_complete(log));
+    const auto rest = drain(cursor, log, 16384);
+    bytes.insert(bytes.end(), rest.begin(), rest.end());
+    CHECK(decode_mesh(bytes, VertexBudget{UINT32_MAX}).n_vertices() == 21);
+}

@@ -1,0 +1,127 @@
+#include "server/jobs/scheduler.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <thread>
+
+#include "server/store/sqlite_catalog.h"
+#include "tests/unit/server/temporary_folder.h"
+
+using namespace anyrate;
+
+namespace {
+
+/// A scheduler whose workers are shell scripts.
+struct Fixture {
+    TemporaryFolder folder;
+    SqliteCatalog catalog{folder.path() / "catalog.sqlite"};
+    ModelEvents events;
+
+    SchedulerOptions options{.n_workers = 1, .max_attempts = 3, .stop_patience = std::chrono::milliseconds(2000)};
+
+    std::string add() {
+        const std::string id = new_model_id();
+        catalog.add({.id = id, .options = {}, .idempotency_key = "", .request_fingerprint = ""}, {});
+        return id;
+    }
+    WorkerCommand shell(const std::string& script) {
+        return [script](const ModelRecord& model) -> std::vector<std::string> {
+            return {"/bin/sh", "-c", script, "worker", model.id, std::to_string(model.attempts)};
+        };
+    }
+    ModelRecord wait_for(const std::string& id, const std::function<bool(const ModelRecord&)>& is_reached) {
+        for (int i = 0; i < 2000; ++i) {
+            const ModelRecord model = catalog.find(id).value();
+            if (is_reached(model)) return model;
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return catalog.find(id).value();
+    }
+    ModelRecord run(const std::string& script) {
+        const std::string id = add();
+        Scheduler scheduler(catalog, events, shell(script), options, [](const std::string&) {});
+        return wait_for(id, [](const ModelRecord& model) { return is_final(model.state); });
+    }
+};
+
+const std::string done = "echo '{\"type\":\"done\"}'";
+
+}  // namespace
+
+TEST_CASE("Scheduler: what a worker reports stands in the catalog") {
+    Fixture f;
+    const ModelRecord model = f.run(
+        "echo '{\"type\":\"progress\",\"stage\":\"refine\",\"fraction\":0.5,\"vertices\":7,\"bytes\":8,\"psi\":1.5}';"
+        "echo '{\"type\":\"rate\",\"vertices\":7,\"bytes\":8,\"psi\":1.5,\"seconds\":0.1}';" +
+        done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.progress == JobProgress{"refine", 0.5, 7, 8, 1.5});
+    CHECK(f.catalog.curve(model.id).size() == 1);
+}
+
+TEST_CASE("Scheduler: a failed capture is not tried again") {
+    Fixture f;
+    const ModelRecord model = f.run("echo '{\"type\":\"failed\",\"error\":\"no cameras\",\"retry\":false}'; exit 1");
+    CHECK(model.state == ModelState::failed);
+    CHECK(model.error == "no cameras");
+    CHECK(model.attempts == 1);
+}
+
+TEST_CASE("Scheduler: a worker that dies is started again, up to the limit") {
+    Fixture f;
+    CHECK(f.run("[ $2 = 3 ] || kill -9 $$; " + done).attempts == 3);
+    const ModelRecord model = f.run("kill -9 $$");
+    CHECK(model.state == ModelState::failed);
+    CHECK(model.error == "the worker process ended with signal 9");
+}
+
+TEST_CASE("Scheduler: noise on a worker's output does no harm") {
+    Fixture f;
+    CHECK(f.run("echo noise; echo '{\"type\":7}'; " + done).state == ModelState::done);
+}
+
+TEST_CASE("Scheduler: a worker beyond its time is killed and its model fails") {
+    Fixture f;
+    f.options.job_limit = std::chrono::milliseconds(200);
+    const ModelRecord model = f.run("exec sleep 60");
+    CHECK(model.state == ModelState::failed);
+    CHECK(model.attempts == 1);
+}
+
+TEST_CASE("Scheduler: stopping gives the model back without counting the attempt") {
+    Fixture f;
+    const std::string id = f.add();
+    {
+        Scheduler scheduler(f.catalog, f.events, f.shell("exec sleep 60"), f.options, [](const std::string&) {});
+        f.wait_for(id, [](const ModelRecord& model) { return model.state == ModelState::running; });
+    }
+    CHECK(f.catalog.find(id)->state == ModelState::queued);
+    CHECK(f.catalog.find(id)->attempts == 0);
+}
+
+TEST_CASE("Scheduler: a model that a dead server left running is run again") {
+    Fixture f;
+    const std::string id = f.add();
+    f.catalog.claim_next({});
+    Scheduler scheduler(f.catalog, f.events, f.shell(done), f.options, [](const std::string&) {});
+    const auto model = f.wait_for(id, [](const ModelRecord& m) { return is_final(m.state); });
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 2);
+}
+
+TEST_CASE("Scheduler: an abandoned model's worker is gone when the call returns") {
+    Fixture f;
+    const std::string id = f.add();
+    const auto file = f.folder.path() / "pid";
+    Scheduler scheduler(f.catalog, f.events, f.shell("echo $$ > " + file.string() + "; exec sleep 60"), f.options,
+                        [](const std::string&) {});
+    for (int i = 0; i < 2000 && !std::filesystem::exists(file); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the shell has written by then
+    f.catalog.remove(id);
+    scheduler.abandon(id);
+    std::string pid;
+    std::ifstream(file) >> pid;
+    CHECK_FALSE(std::filesystem::exists("/proc/" + pid));
+}

@@ -1,0 +1,44 @@
+#pragma once
+#include <stop_token>
+
+#include "core/progressive/model_sink.h"
+#include "core/reconstruction/reconstruct.h"
+#include "server/jobs/job_runner.h"
+
+namespace anyrate {
+
+/// Writes a model of one octahedron, refined by `n_batches` splits of face 0, to a sink: a stand-in for a
+/// reconstruction that takes no time.
+inline void write_small_model(ModelSink& sink, int n_batches) {
+    const BaseMesh octahedron{
+        .positions = {{4096, 8192, 8192},
+                      {12288, 8192, 8192},
+                      {8192, 4096, 8192},
+                      {8192, 12288, 8192},
+                      {8192, 8192, 4096},
+                      {8192, 8192, 12288}},
+        .triangles = {{1, 3, 5}, {3, 0, 5}, {0, 2, 5}, {2, 1, 5}, {3, 1, 4}, {0, 3, 4}, {2, 0, 4}, {1, 2, 4}}};
+    const Grid grid{.unit = 1.0 / 16384, .bits = 14, .base_shift = 2};
+    const RefinementRules rules;
+    RefinableMesh mesh(sink.start(grid, rules, octahedron), grid, rules);
+    sink.base_attributes(std::vector<Rgb8>(6, Rgb8{200, 100, 50}), {.mean = 100, .max = 200});
+    for (int i = 0; i < n_batches; ++i) {
+        const SplitRecord record = mesh.split(0, [](const ScalarSite&) { return 0; });
+        sink.batch({{record}}, mesh, std::vector<Rgb8>(3, Rgb8{50, 100, 200}),
+                   {.mean = 100.0 / (i + 2), .max = 200.0 / (i + 2)});
+    }
+    sink.finish();
+}
+
+/// Job steps that need no capture and make that model.
+inline JobSteps small_job_steps(int n_batches) {
+    return {.load = [](const std::filesystem::path&) { return Capture{}; },
+            .reconstruct =
+                [n_batches](const Capture&, const ReconstructOptions&, ModelSink& sink, const ProgressFn&,
+                            std::stop_token) {
+                    write_small_model(sink, n_batches);
+                    return ReconstructResult{};
+                }};
+}
+
+}  // namespace anyrate

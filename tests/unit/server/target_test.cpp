@@ -1,0 +1,40 @@
+#include "server/http/target.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "server/http/problem.h"
+
+using namespace anyrate;
+
+namespace {
+int status_of(const std::string& target) {
+    try {
+        parse_target(target);
+        return 200;
+    } catch (const HttpProblem& problem) {
+        return problem.status;
+    }
+}
+}  // namespace
+
+TEST_CASE("Target: path and query are decoded") {
+    const Target target = parse_target("/v1/a%20b?x=1%2B2&y=a+b&z");
+    CHECK(target.path == "/v1/a b");
+    CHECK(target.query.at("x") == "1+2");
+    CHECK(target.query.at("y") == "a b");
+    CHECK(target.query.at("z").empty());
+}
+
+TEST_CASE("Target: what could mean another file is refused") {
+    for (const char* target : {"/a%2fb", "/a%2Fb", "/a%00", "http://x/", "", "*", "/a%", "/a%4", "/a%zz", "/?a=%"})
+        CHECK_MESSAGE(status_of(target) == 400, target);
+}
+
+TEST_CASE("Target: a parameter may stand once") { CHECK(status_of("/?a=1&a=2") == 400); }
+
+TEST_CASE("Target: more than 4096 bytes are too long") {
+    CHECK(status_of("/" + std::string(4095, 'x')) == 200);
+    CHECK(status_of("/" + std::string(4096, 'x')) == 414);
+}
