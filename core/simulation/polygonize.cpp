@@ -137,9 +137,10 @@ void march_around_edge(Marcher& marcher, const Lattice& lattice, const Node& cor
 
 /// Newton's method along the gradient, taken by forward differences. A step is at most a quarter of a cell: at a crease
 /// the gradient may mislead.
-Vec3 onto_surface(const Field& field, Vec3 p, double cell, int steps) {
+Vec3 onto_surface(const Field& field, Vec3 p, double cell) {
+    constexpr int n_steps = 4;
     const double h = 1e-4 * cell, longest = 0.25 * cell;
-    for (int i = 0; i < steps; ++i) {
+    for (int i = 0; i < n_steps; ++i) {
         const double value = field(p);
         Vec3 gradient;
         for (int axis = 0; axis < 3; ++axis) gradient[axis] = (field(p + h * Vec3::Unit(axis)) - value) / h;
@@ -180,14 +181,10 @@ Mesh polygonize(const Field& field, const PolygonizeOptions& options) {
         }
     }
     Mesh mesh = marcher.take();
-    constexpr int n_slides = 3;  // turns the slivers of the raw surface into fair triangles; more changes little
-    for (int slide = 0; slide <= n_slides; ++slide) {
-        if (slide > 0) mesh.vertices = neighbour_means(mesh);
-        const int newton_steps = slide < n_slides ? 1 : 3;
-        parallel_for(mesh.vertices.size(), [&](std::size_t v) {
-            mesh.vertices[v] = onto_surface(field, mesh.vertices[v], options.cell, newton_steps);
-        });
-    }
+    constexpr int n_slides = 3;  // turn the slivers of the raw surface into fair triangles; more change little
+    for (int slide = 0; slide < n_slides; ++slide) mesh.vertices = neighbour_means(mesh);
+    parallel_for(mesh.vertices.size(),
+                 [&](std::size_t v) { mesh.vertices[v] = onto_surface(field, mesh.vertices[v], options.cell); });
     return mesh;
 }
 

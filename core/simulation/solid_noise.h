@@ -21,10 +21,11 @@ public:
     double fbm(const Vec3& point, int octaves, double gain = 0.6) const;
 
 private:
-    double corner(int x, int y, int z, const Vec3& offset) const;
+    double at(double x, double y, double z) const;
+    double corner(int x, int y, int z, double dx, double dy, double dz) const;
 
     std::array<std::uint8_t, 512> permutation_;  // of 0..255, written twice so that a sum of two needs no wrap
-    std::array<Vec3, 256> gradients_;
+    std::array<std::array<double, 3>, 256> gradients_;
 };
 
 }  // namespace anyrate

@@ -99,7 +99,7 @@ void add_leaf(Vine& vine, double u, double v) {
 /// Six berries in a triangle that hangs along -v, on a common ground, so that no deep pits are left between them.
 void add_berries(Vine& vine, double u, double v) {
     constexpr double radius = 0.023;
-    vine.berry = std::max(vine.berry, 0.6 * knob(length(u, v - 0.6 * radius), 2.9 * radius));
+    vine.berry = std::max(vine.berry, 0.5 * knob(length(u, v - 0.6 * radius), 2.8 * radius));
     for (int row = 0; row < 3; ++row) {
         for (int k = 0; k <= 2 - row; ++k) {
             const double cu = (2 * k - (2 - row)) * radius, cv = (1 - row) * 1.75 * radius;

@@ -78,7 +78,7 @@ Vec3 paint_beads(double angle, double z) {
 
 Vec3 paint_frieze(double angle, double z) {
     const Vine v = vine(angle, z);
-    if (v.berry > 0.1) return blend(plum, crimson, smooth_step(0.5, 1.0, v.berry));
+    if (v.berry > 0.1) return blend(plum, crimson, smooth_step(0.45, 0.80, v.berry));
     if (v.leaf > 0.25) return blend(v.leaf > 0.55 ? leaf_green : ivory, gold, v.vein);
     if (v.stem > 0.2) return v.stem > 0.75 ? ochre : ivory;
     // Scales of two glazes on the ground.

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/mesh/topology.h"
-#include "core/simulation/vessel_shape.h"
 
 namespace anyrate {
 namespace {
@@ -64,14 +63,6 @@ TEST_CASE("Polygonize: no triangle of a smooth surface is a sliver") {
     double worst = 1;
     for (const Triangle& triangle : mesh.triangles) worst = std::min(worst, shape_quality(mesh, triangle));
     CHECK(worst > 0.4);
-}
-
-TEST_CASE("Polygonize: the vessel has its two handles at a coarse resolution too") {
-    const Topology topology = measure_topology(
-        polygonize(vessel_field, {.low = {-0.86, -0.74, -1.08}, .high = {0.86, 0.74, 1.08}, .cell = 0.03}));
-    CHECK(topology.is_closed_manifold());
-    CHECK(topology.n_components == 1);
-    CHECK(topology.euler == -2);
 }
 
 }  // namespace anyrate

@@ -69,7 +69,7 @@ TEST_CASE("Simulate: the masks of the sphere are its analytic silhouette within 
 
 TEST_CASE("Simulate: a surface point has the same colour in every view that faces it") {
     const Simulation simulation = simulate_scene(
-        "sphere", {.n_views = 12, .width = 320, .height = 240, .noise = 0, .seed = 1, .supersampling = 3});
+        "sphere", {.n_views = 10, .width = 160, .height = 120, .noise = 0, .seed = 1, .supersampling = 3});
     double same_point = 0, other_point = 0;
     int n = 0;
     const auto& vertices = simulation.ground_truth.vertices;
