@@ -14,6 +14,8 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 constexpr double first_damping = 1e-2;
 constexpr double max_damping = 1e3;
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
+constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
+constexpr double noisy_psi = 300;       ///< where smoothness counts twice
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
 
@@ -40,11 +42,10 @@ public:
             for (std::int32_t f : rings_.faces(v)) pixel += backend_.pixel_size(f);
             pixel /= static_cast<double>(rings_.faces(v).size());
             step_limits_.push_back(std::min(options.max_step_px * pixel, max_step_edges * edges[at(v)]));
-            silhouette_weights_.push_back(options.silhouette * edges[at(v)] / pixel);
+            silhouette_weights_.push_back(edges[at(v)] / pixel);  // contour length in pixels; see weigh()
         }
         look();
-        rest();
-        for (const TriangleTerms& t : terms_) first_samples_ += t.distortion.n_samples;
+        weigh();
         energy_ = evaluate();
     }
 
@@ -94,9 +95,19 @@ private:
         silhouette_terms_ = silhouettes_.terms(surface, rings_, normals_, active_, options_.silhouette_reach_px);
     }
 
-    /// What the round's regularising terms weigh. A vertex that the images say much of bends towards flat; one they say
-    /// nothing of keeps the shape it has: a prior that pulled there would inflate what no view sees.
-    void rest() {
+    /// What the round's regularising terms weigh against phi. Where the images disagree even on the best surface (light
+    /// that does not turn with the object, highlights, noise), phi is a worse witness: silhouettes and smoothness count
+    /// for more. A vertex that the images say much of bends towards flat; one they say nothing of keeps the shape it
+    /// has: a prior that pulled there would inflate what no view sees.
+    void weigh() {
+        double phi = 0;
+        for (const TriangleTerms& t : terms_) {
+            phi += t.distortion.phi;
+            first_samples_ += t.distortion.n_samples;
+        }
+        const double psi = first_samples_ > 0 ? phi / first_samples_ : 0.0;
+        for (double& weight : silhouette_weights_) weight *= options_.silhouette * std::max(psi, clean_psi);
+
         std::vector<double> curvature(vertices_.size(), 0.0);
         for (std::size_t i = 0; i < faces_.size(); ++i)
             for (std::size_t k = 0; k < 3; ++k) curvature[at(triangles_[at(faces_[i])][k])] += terms_[i].hessian[k];
@@ -107,7 +118,7 @@ private:
             n_with_evidence += curvature[at(v)] > 0 ? 1 : 0;
         }
         const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0;
-        bending_ = options_.bending * mean;
+        bending_ = options_.bending * mean * (1 + psi / noisy_psi);
         rest_ = umbrellas({vertices_, triangles_}, rings_, normals_, active_);
         for (std::size_t i = 0; i < active_.size(); ++i)
             rest_[i] *= 1 - curvature[at(active_[i])] / (curvature[at(active_[i])] + weak_evidence * mean);
