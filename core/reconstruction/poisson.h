@@ -16,9 +16,9 @@ struct ScalarField {
 };
 
 struct PoissonOptions {
-    double spacing = 0.0;   ///< world units
-    double screening = 16;  ///< weight of the points' own positions against the field's smoothness; thin parts need it
-    int margin = 4;         ///< empty cells kept around the points, at least 2
+    double spacing = 0.0;    ///< world units
+    double screening = 4.0;  ///< weight of the points' own positions against the smoothness of the field
+    int margin = 4;          ///< empty cells kept around the points, at least 2
 };
 
 /// The smoothed indicator function whose gradient fits the points' normals, each weighted by its point's area, shifted

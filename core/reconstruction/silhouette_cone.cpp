@@ -5,52 +5,55 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace anyrate {
 namespace {
 
 // ---- masks of 0 and 1
 
-// Every pixel becomes best(pixel, neighbour) over its neighbours in the image: a 3x3 dilation or erosion. What lies
+// Every pixel becomes the best over the square of pixels from (first, first) to (last, last) around it; what lies
 // outside the image has no say.
 template <class Best>
-MaskImage over_neighbours(const MaskImage& mask, const Best& best) {
-    MaskImage rows = mask;
-    for (int y = 0; y < mask.height; ++y) {
-        for (int x = 1; x < mask.width; ++x) rows(x, y) = best(mask(x, y), mask(x - 1, y));
-        for (int x = 0; x + 1 < mask.width; ++x) rows(x, y) = best(rows(x, y), mask(x + 1, y));
-    }
-    MaskImage result = rows;
-    for (int y = 0; y < mask.height; ++y) {
-        const int above = std::max(y - 1, 0), below = std::min(y + 1, mask.height - 1);
-        for (int x = 0; x < mask.width; ++x) result(x, y) = best(rows(x, y), best(rows(x, above), rows(x, below)));
-    }
+MaskImage over_square(const MaskImage& mask, int first, int last, const Best& best) {
+    MaskImage rows = mask, result;
+    for (int y = 0; y < mask.height; ++y)
+        for (int offset = first; offset <= last; ++offset)
+            for (int x = std::max(0, -offset); x < std::min(mask.width, mask.width - offset); ++x)
+                rows(x, y) = best(rows(x, y), mask(x + offset, y));
+    result = rows;
+    for (int y = 0; y < mask.height; ++y)
+        for (int from = std::max(0, y + first); from <= std::min(mask.height - 1, y + last); ++from)
+            for (int x = 0; x < mask.width; ++x) result(x, y) = best(result(x, y), rows(x, from));
     return result;
 }
 
-MaskImage dilate(const MaskImage& mask) {
-    return over_neighbours(mask, [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
+MaskImage dilate(const MaskImage& mask, int first, int last) {
+    return over_square(mask, first, last, [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); });
 }
-MaskImage erode(const MaskImage& mask) {
-    return over_neighbours(mask, [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+MaskImage erode(const MaskImage& mask, int first, int last) {
+    return over_square(mask, first, last, [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
 }
 
-// The two repairs of the class's comment; the result is 0 or 1.
+// Parts narrower than `width` grow by a pixel on either side. They are what an opening by a square of that width loses,
+// less the tips of corners, which touch what it keeps.
+MaskImage with_grown_thin_parts(MaskImage object, int width) {
+    const MaskImage kept = dilate(erode(object, 0, width - 1), 1 - width, 0);
+    const MaskImage kept_and_around = dilate(kept, -1, 1);
+    MaskImage thin = object;
+    for (std::size_t i = 0; i < thin.pixels.size(); ++i) thin.pixels[i] &= !kept_and_around.pixels[i];
+    const MaskImage grown = dilate(thin, -1, 1);
+    for (std::size_t i = 0; i < object.pixels.size(); ++i) object.pixels[i] |= grown.pixels[i];
+    return object;
+}
+
+// The two repairs of the class's comment; the result is 0 or 1. Measured on 40 rods in random directions: 3.2 pixels
+// wide, 9 fell apart on the grid of two-pixel cells without the growth by 5, none with it.
 MaskImage repaired(const MaskImage& mask) {
     MaskImage object = mask;
     for (std::uint8_t& pixel : object.pixels) pixel = pixel != 0;
-    object = erode(dilate(object));
-    // Thin parts are what an opening by five pixels loses, less the tips of corners, which touch what it keeps.
-    // Measured: of 40 rods in random directions, 3.2 pixels wide, 9 fell apart on the grid without the growth, none
-    // with it.
-    const MaskImage kept = dilate(dilate(erode(erode(object))));
-    const MaskImage kept_and_around = dilate(kept);
-    MaskImage thin = object;
-    for (std::size_t i = 0; i < thin.pixels.size(); ++i)
-        thin.pixels[i] = object.pixels[i] && !kept_and_around.pixels[i];
-    const MaskImage thickened = dilate(thin);
-    for (std::size_t i = 0; i < object.pixels.size(); ++i) object.pixels[i] |= thickened.pixels[i];
-    return object;
+    object = erode(dilate(object, -1, 1), -1, 1);
+    return with_grown_thin_parts(with_grown_thin_parts(std::move(object), 2), 5);
 }
 
 bool touches_frame(const MaskImage& mask) {

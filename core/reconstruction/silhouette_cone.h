@@ -18,8 +18,9 @@ enum class Cover {
 ///
 /// Two repairs come first, both of the size of the segmentation's own errors: gaps in the object of one or two pixels
 /// are closed (a wrong column of pixels must not cut it in two), and parts up to four pixels wide grow by a pixel on
-/// either side (so that a grid of two-pixel cells holds them). The outline is the zero set of a signed distance,
-/// interpolated between pixel centres and smoothed, but never so far that the sign at a pixel's centre changes.
+/// either side, those of a single pixel by two (so that a grid of two-pixel cells holds them). The outline is the zero
+/// set of a signed distance, interpolated between pixel centres and smoothed, but never so far that the sign at a
+/// pixel's centre changes.
 ///
 /// A view is complete if its mask keeps clear of the image's frame: then it shows the whole object, and what its image
 /// does not contain is background. Of an incomplete view the object may leave the image, and it says nothing about what
