@@ -10,6 +10,9 @@
 namespace anyrate {
 namespace {
 
+/// No file needs as many; without a bound the search for equal names would take quadratic time.
+constexpr std::size_t max_properties = 256;
+
 class HeaderReader {
 public:
     HeaderReader(std::string_view& text, std::string_view name) : text_(text), name_(name) {}
@@ -84,6 +87,8 @@ private:
     }
 
     void add_property(PlyElement& element, std::string_view rest) const {
+        if (element.properties.size() == max_properties)
+            fail("expected at most " + std::to_string(max_properties) + " properties of an element");
         PlyProperty property;
         std::string_view word = take_word(rest);
         if (word == "list") {

@@ -49,7 +49,7 @@ public:
             split_longer_than(4.0 / 3.0 * length);
             collapse_shorter_than(4.0 / 5.0 * length, 4.0 / 3.0 * length);
             improve_valences();
-            reach_out(length);
+            if (round % 2 == 1) reach_out(length);
             relax();
             correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
         }

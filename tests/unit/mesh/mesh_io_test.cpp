@@ -155,6 +155,9 @@ TEST_CASE("PLY: what is no mesh is refused with a sentence") {
     refuses("ply\nformat ascii 1.0\nend_header\n");
     refuses("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n");
     refuses("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n1 2\n");
+    std::string many_properties = "ply\nformat ascii 1.0\nelement vertex 0\n";
+    for (int i = 0; i < 1000; ++i) many_properties += "property float p" + std::to_string(i) + "\n";
+    refuses(many_properties + "end_header\n");
     refuses(ply_header("ascii", "3", "1") + "0 0 0 1 0 0 nan 1 0 3 0 1 2");
     refuses(ply_header("ascii", "3", "1") + "0 0 0 1 0 0 inf 1 0 3 0 1 2");
     refuses(ply_header("ascii", "3", "1") + "0 0 0 1 0 0 0 1 0 3 0 1 3");
