@@ -15,7 +15,7 @@ constexpr double first_damping = 1e-2;
 constexpr double max_damping = 1e3;
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
-constexpr double noisy_psi = 300;       ///< where smoothness counts twice
+constexpr double noisy_psi = 600;       ///< where smoothness counts twice
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
 
@@ -106,7 +106,8 @@ private:
             first_samples_ += t.distortion.n_samples;
         }
         const double psi = first_samples_ > 0 ? phi / first_samples_ : 0.0;
-        for (double& weight : silhouette_weights_) weight *= options_.silhouette * std::max(psi, clean_psi);
+        for (double& weight : silhouette_weights_)
+            weight *= options_.silhouette * std::sqrt(clean_psi * std::max(psi, clean_psi));
 
         std::vector<double> curvature(vertices_.size(), 0.0);
         for (std::size_t i = 0; i < faces_.size(); ++i)

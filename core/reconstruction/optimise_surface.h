@@ -11,15 +11,15 @@
 namespace anyrate {
 
 struct OptimiseOptions {
-    int level = 0;                      ///< of the image pyramid
-    double samples_per_px = 1.0;        ///< C of Eq. 7, per pixel of that level
-    int rounds = 3;                     ///< visibility is rendered once a round
-    int steps_per_round = 3;            ///< accepted steps
-    double max_step_px = 1.0;           ///< no vertex moves further in one step, pixels of the level
-    double tangential = 0.3;            ///< part of Eq. 12's step taken after each round, 0 none
-    double silhouette_reach_px = 12.0;  ///< see Silhouettes::terms()
-    double bending = 0.04;    ///< weight of a vertex's squared umbrella, in parts of the mean curvature of phi
-    double silhouette = 1.5;  ///< weight of a squared pixel, per pixel of contour, in parts of the images' disagreement
+    int level = 0;                     ///< of the image pyramid
+    double samples_per_px = 1.0;       ///< C of Eq. 7, per pixel of that level
+    int rounds = 3;                    ///< visibility is rendered once a round
+    int steps_per_round = 3;           ///< accepted steps
+    double max_step_px = 1.0;          ///< no vertex moves further in one step, pixels of the level
+    double tangential = 0.3;           ///< part of Eq. 12's step taken after each round, 0 none
+    double silhouette_reach_px = 8.0;  ///< see Silhouettes::terms()
+    double bending = 0.04;             ///< weight of a vertex's squared umbrella, in parts of the mean curvature of phi
+    double silhouette = 1.5;  ///< weight of a squared pixel, per pixel of contour, in parts of a clean surface's phi
 };
 
 /// Step 2 at a fixed rate: moves the active vertices along their normals to where the images agree most, by damped
