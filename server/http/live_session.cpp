@@ -37,6 +37,21 @@ struct Connection {
     bool is_gone = false;  ///< the client closed, or its connection broke
 };
 
+/// Closes the connection at the end of a scope, also by exception: the reading coroutine ends with it.
+class CloseAtEnd {
+public:
+    explicit CloseAtEnd(Connection& connection) : connection_(connection) {}
+    ~CloseAtEnd() {
+        ErrorCode ignored;  // it is closed either way
+        beast::get_lowest_layer(connection_.socket).socket().close(ignored);
+    }
+    CloseAtEnd(const CloseAtEnd&) = delete;
+    CloseAtEnd& operator=(const CloseAtEnd&) = delete;
+
+private:
+    Connection& connection_;
+};
+
 /// What the catalog and the log say at one moment.
 struct Snapshot {
     std::optional<ModelRecord> model;
@@ -164,12 +179,11 @@ awaitable<void> serve_live(TcpStream stream, beast::http::request<beast::http::e
     connection->socket.binary(true);
     asio::co_spawn(connection->socket.get_executor(), read_client(connection), asio::detached);
 
+    const CloseAtEnd close_at_end(*connection);
     const websocket::close_code code = co_await follow(*connection);
-    ErrorCode error;
-    if (code == websocket::close_code::none)
-        beast::get_lowest_layer(connection->socket).socket().close(error);
-    else
-        co_await connection->socket.async_close(code, asio::redirect_error(use_awaitable, error));
+    ErrorCode ignored;  // a client that does not answer the close frame in time is gone as well
+    if (code != websocket::close_code::none)
+        co_await connection->socket.async_close(code, asio::redirect_error(use_awaitable, ignored));
 }
 
 }  // namespace anyrate

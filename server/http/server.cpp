@@ -9,6 +9,7 @@
 #include <boost/asio/strand.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <condition_variable>
+#include <csignal>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -140,7 +141,11 @@ struct Server::State {
     std::vector<std::jthread> threads;
 };
 
-Server::Server(ServerOptions options) : state_(std::make_unique<State>(std::move(options))) {}
+Server::Server(ServerOptions options) {
+    // sendfile() to a client that is gone raises it; the error it returns says the same.
+    std::signal(SIGPIPE, SIG_IGN);
+    state_ = std::make_unique<State>(std::move(options));
+}
 
 Server::~Server() = default;
 

@@ -25,7 +25,7 @@ struct ServerOptions {
 /// The whole server: stores, scheduler, listener.
 class Server {
 public:
-    /// Opens the data directory and listens; jobs that a dead server left behind are queued again.
+    /// Opens the data directory and listens, and ignores SIGPIPE in this process; jobs that a dead server left behind are queued again.
     /// @throws InputError no address, or one beyond loopback without a token
     /// @throws IoError    the data directory or the port cannot be had
     explicit Server(ServerOptions options);

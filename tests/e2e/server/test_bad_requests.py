@@ -2,6 +2,8 @@
 
 import io
 import json
+import socket
+import struct
 import unittest
 import zipfile
 
@@ -86,6 +88,19 @@ class BadRequests(ServerTest):
         self.expect_problem(404, "GET", f"/v1/models/{model_id}/mesh.stl")
         self.expect_problem(426, "GET", f"/v1/models/{model_id}/live")
         self.expect_problem(416, "GET", log, headers={"Range": "bytes=999999999-"})
+
+    def test_a_client_that_hangs_up_in_the_middle_harms_nobody(self):
+        model_id = self.make_finished_model("?vertices=2000&coarse=800")
+        request = f"GET /v1/models/{model_id}/log HTTP/1.1\r\nHost: test\r\n\r\n".encode()
+        for _ in range(20):
+            connection = socket.socket()
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close by reset
+            connection.connect(self.server.address)
+            connection.sendall(request * 200)
+            connection.recv(1000)
+            connection.close()
+        self.assertEqual(self.server.request("GET", "/healthz")[0], 200)
 
     def test_a_bad_capture_makes_a_failed_model_with_a_sentence(self):
         for body in [

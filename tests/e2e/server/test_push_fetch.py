@@ -1,5 +1,7 @@
 """Capture in over REST, mesh out at any budget: the bytes on the wire are the prefix and nothing more."""
 
+import functools
+import http.server
 import json
 import socket
 import threading
@@ -41,6 +43,11 @@ class CountingProxy:
         """Sizes of the bodies that came back, by their Content-Length."""
         return [int(line.split(b":")[1]) for line in self.received.split(b"\r\n")
                 if line.lower().startswith(b"content-length:")]
+
+
+class QuietFiles(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *arguments):
+        pass
 
 
 class PushFetch(ServerTest):
@@ -125,6 +132,16 @@ class PushFetch(ServerTest):
         self.assertEqual(ends, sorted(ends))
         _, _, side_index = self.server.request("GET", target)
         self.assertEqual(len(side_index), 24 + 16 * len(ends) + 4)
+
+    def test_a_file_server_without_ranges_will_do(self):
+        sealed = self.server.sealed(self.make_finished_model())
+        handler = functools.partial(QuietFiles, directory=sealed.parent)
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as files:
+            threading.Thread(target=files.serve_forever, daemon=True).start()
+            run("fetch", f"http://127.0.0.1:{files.server_port}/model.arl", "-o", self.folder / "f.ply", "--vertices", 1500)
+            files.shutdown()
+        run("decode", sealed, "-o", self.folder / "d.ply", "--vertices", 1500)
+        self.assertEqual((self.folder / "f.ply").read_bytes(), (self.folder / "d.ply").read_bytes())
 
     def test_a_repeated_request_makes_one_model(self):
         key = {"Idempotency-Key": "a key of mine"}
