@@ -47,7 +47,7 @@ Vec3 shade(const Model& model, const ProjectedTriangle& projected, const Vec3& p
     return model.appearance(point / sum, normal.normalized());
 }
 
-/// A pixel's mean light and how many of its samples hit the surface.
+/// The light of a pixel's samples and how many of its samples hit the surface.
 struct PixelLight {
     Vec3 sum = Vec3::Zero();
     int n_hits = 0;
@@ -86,7 +86,7 @@ Rgb8 expose(const std::array<double, 3>& levels, std::uint64_t pixel, const Rend
 
 }  // namespace
 
-std::uint8_t to_level(double linear, double noise) { return to_byte(encode_gamma(linear) + noise); }
+std::uint8_t to_level(double linear) { return to_byte(encode_gamma(linear)); }
 
 std::vector<Vec3> vertex_normals(const Mesh& surface) {
     std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());

@@ -35,7 +35,7 @@ struct RenderOptions {
 /// and sensor noise. The mask is 255 where at least half of a pixel's samples hit the surface.
 View render_view(const Model& model, const Camera& camera, std::string name, const RenderOptions& options);
 
-/// Linear light in [0, 1] as an 8-bit level: 255 x^(1/2.2), rounded after `noise` (8-bit levels) is added.
-std::uint8_t to_level(double linear, double noise = 0.0);
+/// Linear light in [0, 1] as an 8-bit level: 255 x^(1/2.2), rounded.
+std::uint8_t to_level(double linear);
 
 }  // namespace anyrate
