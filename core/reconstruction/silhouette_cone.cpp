@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -16,15 +17,19 @@ namespace {
 // outside the image has no say.
 template <class Best>
 MaskImage over_square(const MaskImage& mask, int first, int last, const Best& best) {
-    MaskImage rows = mask, result;
+    const auto combine = [&best](const std::uint8_t* from, std::uint8_t* to, int n) {
+        for (int i = 0; i < n; ++i) to[i] = best(to[i], from[i]);
+    };
+    const int width = mask.width;
+    MaskImage rows = mask;
     for (int y = 0; y < mask.height; ++y)
         for (int offset = first; offset <= last; ++offset)
-            for (int x = std::max(0, -offset); x < std::min(mask.width, mask.width - offset); ++x)
-                rows(x, y) = best(rows(x, y), mask(x + offset, y));
-    result = rows;
+            if (const int n = width - std::abs(offset); n > 0)
+                combine(&mask(std::max(0, offset), y), &rows(std::max(0, -offset), y), n);
+    MaskImage result = rows;
     for (int y = 0; y < mask.height; ++y)
         for (int from = std::max(0, y + first); from <= std::min(mask.height - 1, y + last); ++from)
-            for (int x = 0; x < mask.width; ++x) result(x, y) = best(result(x, y), rows(x, from));
+            combine(&rows(0, from), &result(0, y), width);
     return result;
 }
 
@@ -87,11 +92,14 @@ Image<float> distance_to(const MaskImage& mask, std::uint8_t target) {
 
     Image<float> result(mask.width, mask.height, far);
     for (int y = 0; y < mask.height; ++y)
-        for (int offset = -reach_px; offset <= reach_px; ++offset)
-            for (int x = std::max(0, -offset); x < std::min(mask.width, mask.width - offset); ++x) {
-                const float d = in_column(x + offset, y);
-                result(x, y) = std::min(result(x, y), d * d + static_cast<float>(offset * offset));
-            }
+        for (int offset = -reach_px; offset <= reach_px; ++offset) {
+            const int n = mask.width - std::abs(offset);
+            if (n <= 0) continue;
+            const float* from = &in_column(std::max(0, offset), y);
+            float* to = &result(std::max(0, -offset), y);
+            const auto across = static_cast<float>(offset * offset);
+            for (int i = 0; i < n; ++i) to[i] = std::min(to[i], from[i] * from[i] + across);
+        }
     for (float& squared : result.pixels) squared = std::sqrt(squared);
     return result;
 }
