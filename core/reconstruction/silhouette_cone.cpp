@@ -209,12 +209,11 @@ std::optional<double> SilhouetteCone::distance(const Vec3& point) const {
     // Beyond the frame of a complete view the background of its border goes on.
     const double x = std::clamp(u, 0.0, width - 1.0);
     const double y = std::clamp(v, 0.0, height - 1.0);
-    const int x0 = std::min(static_cast<int>(x), width - 2);
-    const int y0 = std::min(static_cast<int>(y), height - 2);
+    const int x0 = static_cast<int>(x), x1 = std::min(x0 + 1, width - 1);
+    const int y0 = static_cast<int>(y), y1 = std::min(y0 + 1, height - 1);
     const double a = x - x0, b = y - y0;
-    const float* upper = &distance_px_(x0, y0);
-    const float* lower = upper + width;
-    const double distance_px = (1 - b) * ((1 - a) * upper[0] + a * upper[1]) + b * ((1 - a) * lower[0] + a * lower[1]);
+    const auto in_row = [&](int row) { return (1 - a) * distance_px_(x0, row) + a * distance_px_(x1, row); };
+    const double distance_px = (1 - b) * in_row(y0) + b * in_row(y1);
     return distance_px * projected.z() / pixels_per_radian_;
 }
 

@@ -190,6 +190,13 @@ TEST_CASE("Visual hull: views that see only a part do not cut off the rest") {
     CHECK(with_parts > 4.0 / 3.0 * pi * 0.99);
 }
 
+TEST_CASE("Visual hull: a view of a single pixel does no harm") {
+    auto cameras = ring(9);
+    const double volume = enclosed_volume(visual_hull(capture_of(cameras, ball(1.0))).points);
+    cameras.push_back(look_at_origin(Vec3(0, 4, 3), 1, 1, 100));
+    CHECK(enclosed_volume(visual_hull(capture_of(cameras, ball(1.0))).points) == doctest::Approx(volume).epsilon(0.01));
+}
+
 TEST_CASE("Visual hull: without any complete view the hull is still bounded and keeps the object") {
     auto cameras = ring(12);
     for (Camera& camera : cameras) camera.height = 70;  // the frame cuts off the ball's lower part
