@@ -1,0 +1,108 @@
+#pragma once
+// What every PhotoBackend must keep (core/reconstruction/photo_backend.h). A backend's test calls check_photo_backend()
+// with its own factory.
+#include <doctest/doctest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "core/reconstruction/photo_backend.h"
+#include "core/simulation/parametric_meshes.h"
+#include "tests/scenes.h"
+
+namespace anyrate {
+
+using BackendFactory = std::function<std::unique_ptr<PhotoBackend>(const PhotoImages&)>;
+
+inline std::vector<TriangleQuery> queries_of(const Mesh& mesh) {
+    std::vector<TriangleQuery> batch(mesh.triangles.size());
+    for (std::size_t f = 0; f < batch.size(); ++f) {
+        batch[f].face = static_cast<std::int32_t>(f);
+        for (std::size_t k = 0; k < 3; ++k)
+            batch[f].corners[k] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[f][k])];
+    }
+    return batch;
+}
+
+inline std::vector<std::array<Vec3, 3>> directions_of(const Mesh& mesh) {
+    const OneRings rings(mesh);
+    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
+    std::vector<std::array<Vec3, 3>> directions(mesh.triangles.size());
+    for (std::size_t f = 0; f < directions.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[static_cast<std::size_t>(mesh.triangles[f][k])];
+    return directions;
+}
+
+/// @param tolerance relative, of sums that may be taken in another order
+inline void check_photo_backend(const BackendFactory& make, double tolerance) {
+    const Capture capture = sphere_capture(8, 128);
+    const PhotoImages images = make_photo_images(capture, 3);
+    const Mesh mesh = icosphere(3, 0.99);
+    const auto batch = queries_of(mesh);
+    const auto directions = directions_of(mesh);
+    const auto backend = make(images);
+    REQUIRE(backend->n_levels() == images.n_levels());
+
+    for (int level = 0; level < backend->n_levels(); ++level) {
+        backend->set_surface(mesh, level, 1.0);
+        const auto distortions = backend->distortions(batch);
+        const auto terms = backend->terms(batch, directions);
+        REQUIRE(distortions.size() == batch.size());
+        REQUIRE(terms.size() == batch.size());
+        double n_samples = 0;
+        for (std::size_t f = 0; f < batch.size(); ++f) {
+            // terms() and distortions() speak of the same samples.
+            CHECK(terms[f].distortion.n_samples == doctest::Approx(distortions[f].n_samples).epsilon(tolerance));
+            CHECK(terms[f].distortion.phi == doctest::Approx(distortions[f].phi).epsilon(1e-3));
+            CHECK(distortions[f].phi >= 0);
+            for (double h : terms[f].middle_hessian) CHECK(h >= 0);
+            for (std::size_t k = 0; k < 3; ++k) CHECK(terms[f].hessian[k] >= 0);
+            CHECK(backend->pixel_size(static_cast<std::int32_t>(f)) > 0);
+            n_samples += distortions[f].n_samples;
+        }
+        CHECK(n_samples > 0);
+    }
+
+    backend->set_surface(mesh, 0, 1.0);
+    const auto whole = backend->distortions(batch);
+    // A part of a batch, in another order, gives the same answers: queries know nothing of each other.
+    std::vector<TriangleQuery> part;
+    for (std::size_t f = batch.size(); f-- > 0;)
+        if (f % 3 == 0) part.push_back(batch[f]);
+    const auto partial = backend->distortions(part);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        const TriangleDistortion& expected = whole[static_cast<std::size_t>(part[i].face)];
+        CHECK(partial[i].phi == doctest::Approx(expected.phi).epsilon(tolerance));
+        CHECK(partial[i].n_samples == doctest::Approx(expected.n_samples).epsilon(tolerance));
+    }
+
+    // Twice the samples per pixel: about twice the samples, about the same mean.
+    backend->set_surface(mesh, 0, 2.0);
+    const auto dense = backend->distortions(batch);
+    double n_whole = 0, n_dense = 0;
+    for (std::size_t f = 0; f < batch.size(); ++f) {
+        n_whole += whole[f].n_samples;
+        n_dense += dense[f].n_samples;
+    }
+    CHECK(n_dense / n_whole == doctest::Approx(2.0).epsilon(0.2));
+    CHECK(surface_distortion(dense) == doctest::Approx(surface_distortion(whole)).epsilon(0.15));
+
+    // Any number of threads gives the same bytes.
+    const auto on_threads = [&](std::size_t n_threads) {
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, n_threads);
+        backend->set_surface(mesh, 0, 1.0);
+        std::vector<double> numbers;
+        for (const TriangleTerms& t : backend->terms(batch, directions)) {
+            numbers.push_back(t.distortion.phi);
+            numbers.insert(numbers.end(), t.gradient.begin(), t.gradient.end());
+        }
+        return numbers;
+    };
+    CHECK(on_threads(1) == on_threads(2));
+
+    CHECK(backend->distortions({}).empty());
+}
+
+}  // namespace anyrate
