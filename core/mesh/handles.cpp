@@ -168,13 +168,20 @@ std::vector<Loop> choose_independent(const SignedGraph& graph, const std::vector
 Mesh remove_small_handles(const Mesh& mesh, double max_loop_length) {
     Mesh result = mesh;
     Topology topology = measure_topology(result);
-    // Every round with a loop lowers the genus by one at least.
+    // The tiniest handles go first, found by searches that reach no further than they do: of the many that noise makes
+    // few are left for the wide searches, whose cost grows with the square of the length.
+    double length = max_loop_length / 8;
     while (topology.euler < 2 * topology.n_components) {
         const SignedGraph graph(result);
-        const std::vector<Loop> loops = choose_independent(graph, short_loops(graph, max_loop_length));
-        if (loops.empty()) break;
-        result = cut_and_cap(result, graph.twin, loops);
-        topology = measure_topology(result);
+        const std::vector<Loop> loops = choose_independent(graph, short_loops(graph, length));
+        if (!loops.empty()) {  // which lowers the genus by one at least
+            result = cut_and_cap(result, graph.twin, loops);
+            topology = measure_topology(result);
+        } else if (length < max_loop_length) {
+            length *= 2;
+        } else {
+            break;
+        }
     }
     return result;
 }
