@@ -133,12 +133,9 @@ awaitable<bool> send_frames(Connection& connection, const LogView& log) {
     co_return !connection.is_paused && connection.cursor.is_complete(log);
 }
 
-std::string end_message(const Snapshot& now) {
-    // The log is sealed a moment before the catalog hears of it.
-    const bool is_done = now.log && now.log->sealed;
-    const char* state = is_done ? state_name(ModelState::done) : now.model ? state_name(now.model->state) : "deleted";
-    nlohmann::ordered_json end = {{"type", "end"}, {"state", state}};
-    if (now.model && !now.model->error.empty()) end["error"] = now.model->error;
+std::string end_message(const std::optional<ModelRecord>& model) {
+    nlohmann::ordered_json end = {{"type", "end"}, {"state", model ? state_name(model->state) : "deleted"}};
+    if (model && !model->error.empty()) end["error"] = model->error;
     return end.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -156,9 +153,11 @@ awaitable<websocket::close_code> follow(Connection& connection) {
             if (followed && *followed != now.log->log_id) co_return websocket::close_code::service_restart;
             is_complete = co_await send_frames(connection, *now.log);
         }
-        const bool has_ended = !now.model || (is_final(now.model->state) && !(now.log && now.log->sealed));
-        if (is_complete || has_ended) {
-            std::string end = end_message(now);
+        const bool is_over = !now.model || is_final(now.model->state);
+        const bool is_sealed = now.log && now.log->sealed;
+        // A log is sealed a moment before the catalog hears of it: who is told the end finds it there, too.
+        if (is_sealed ? is_complete && is_over : is_complete || is_over) {
+            std::string end = end_message(now.model);
             co_await send_text(connection, std::move(end));
             co_return websocket::close_code::normal;
         }
@@ -182,6 +181,8 @@ awaitable<void> serve_live(TcpStream stream, beast::http::request<beast::http::e
     const CloseAtEnd close_at_end(*connection);
     const websocket::close_code code = co_await follow(*connection);
     ErrorCode ignored;  // a client that does not answer the close frame in time is gone as well
+    const Deadline deadline(connection->socket.get_executor(), std::chrono::seconds(3),
+                            [&connection] { beast::get_lowest_layer(connection->socket).socket().close(); });
     if (code != websocket::close_code::none)
         co_await connection->socket.async_close(code, asio::redirect_error(use_awaitable, ignored));
 }

@@ -8,6 +8,7 @@
 #include "core/capture/load_capture.h"
 #include "core/error.h"
 #include "server/jobs/durable_sink.h"
+#include "server/store/log_view.h"
 #include "server/store/model_id.h"
 
 namespace anyrate {
@@ -25,6 +26,13 @@ public:
         progress({.stage = stage_name(now.stage),
                   .fraction = now.fraction,
                   .psi = now.psi > 0 ? std::optional(now.psi) : state_.psi});
+    }
+    /// A worker that died between sealing and saying so left the model finished.
+    void found(const LogView& sealed_log) {
+        const IndexRow& last = sealed_log.rows.back();
+        state_ = {.stage = "seal", .fraction = 1, .n_vertices = last.n_vertices, .n_bytes = sealed_log.size};
+        state_.psi = last.mean_distortion;
+        send();
     }
     void sealed(std::uint64_t n_bytes) {
         state_.fraction = 1;
@@ -60,6 +68,10 @@ private:
 /// @return whether the model was sealed; false if it was told to stop
 bool make_model(const Job& job, const JobSteps& steps, const Report& report, std::stop_token stop) {
     ProgressReporter progress(report);
+    if (const auto log = open_log(job.paths.sealed_log, job.paths.live_log); log && log->sealed) {
+        progress.found(*log);
+        return true;
+    }
     progress.stage("load");
     const Capture capture = steps.load(job.paths.capture);
     if (stop.stop_requested()) return false;

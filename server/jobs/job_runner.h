@@ -31,7 +31,7 @@ JobSteps real_job_steps();
 
 /// Loads the capture, reconstructs it into the live log (every frame durable before it is reported) and seals the log.
 /// Ends with exactly one JobDone, JobFailed or JobStopped to `report`; throws nothing but what `report` throws.
-/// A stopped job leaves no sealed log: it is run again from the start.
+/// A stopped job leaves no sealed log: it is run again from the start. One whose log is sealed already is done at once.
 void run_job(const Job& job, const JobSteps& steps, const std::function<void(const WorkerMessage&)>& report,
              std::stop_token stop);
 

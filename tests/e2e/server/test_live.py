@@ -7,7 +7,7 @@ import unittest
 from harness import ANYRATE, PATIENCE, ServerTest, WebSocket, run
 
 HEADER_BYTES = 96
-LONG_JOB = "?vertices=12000&coarse=600"
+LONG_JOB = "?vertices=8000&coarse=600"
 
 
 def live_form(sealed, index):

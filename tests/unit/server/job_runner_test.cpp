@@ -69,6 +69,15 @@ TEST_CASE("Job: one that is stopped leaves no sealed log") {
     CHECK_FALSE(std::filesystem::exists(f.job.paths.sealed_log));
 }
 
+TEST_CASE("Job: a log that an earlier attempt sealed is the model") {
+    Fixture f;
+    f.run(small_job_steps(3));
+    const auto sealed = read_file(f.job.paths.sealed_log);
+    f.job.attempt = 2;
+    CHECK(std::holds_alternative<JobDone>(f.run(small_job_steps(1))));
+    CHECK(read_file(f.job.paths.sealed_log) == sealed);
+}
+
 TEST_CASE("Job: a second attempt begins a log of its own") {
     Fixture f;
     JobSteps steps = small_job_steps(2);
