@@ -36,12 +36,12 @@ Mesh initial_surface(const Capture& capture, const PhotoImages& images, const Pr
     report(Stage::hull, 0.0);
     const VisualHull hull = visual_hull(capture);
     report(Stage::hull, 0.5);
-    const SurfaceEvidence evidence = open_cavities(hull, confirm_depths(plane_sweep(images, hull)));
+    const auto points = open_cavities(hull, confirm_depths(plane_sweep(images, hull)));
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
-    const ScalarField field = poisson_field(evidence.points, {.spacing = spacing}, evidence.outside);
+    const ScalarField field = poisson_field(points, {.spacing = spacing});
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
     Mesh clean = remove_small_handles(surface, handle_loop_cells * spacing);

@@ -25,62 +25,34 @@ Sight look_at(const DepthMap& map, const Vec3& point, double margin_px) {
     const auto& known = map.inverse_depth;
     if (!(u >= 0 && v >= 0 && u < known.width - 1 && v < known.height - 1)) return Sight::nothing;
     const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
-    int n_surface = 0, n_through = 0, n_in_front = 0;
+    int n_surface = 0, n_through = 0;
     for (int i = 0; i < 4; ++i) {
         const double inverse_depth = known(x0 + (i & 1), y0 + (i >> 1));
         if (!(inverse_depth > 0)) continue;
         const double behind_px = (1.0 / x.z() - inverse_depth) / map.step;
         n_surface += std::abs(behind_px) <= margin_px;
         n_through += behind_px > margin_px;
-        n_in_front += behind_px < -margin_px;
     }
-    if (n_surface > 0) return Sight::surface;
-    return n_through >= 2 && n_in_front == 0 ? Sight::through : Sight::nothing;
+    return n_surface > 0 ? Sight::surface : n_through == 4 ? Sight::through : Sight::nothing;
 }
 
 // A thin part may vanish before its background in some views, never in most: those that find it outvote twice as many.
-bool is_seen_through(const Vec3& point, std::span<const DepthMap> maps, double margin_px, int n_views) {
-    int n_surface = 0, n_through = 0;
-    for (const DepthMap& map : maps) {
-        const Sight sight = look_at(map, point, margin_px);
-        n_surface += sight == Sight::surface;
-        n_through += sight == Sight::through;
-    }
-    return n_through >= n_views && n_through > 2 * n_surface;
-}
-
-std::vector<OrientedPoint> without_seen_through(std::vector<OrientedPoint> points, std::span<const DepthMap> maps,
+std::vector<OrientedPoint> without_seen_through(std::span<const OrientedPoint> points, std::span<const DepthMap> maps,
                                                 const CavityOptions& options) {
     std::vector<char> floats(points.size());
     parallel_for(points.size(), [&](std::size_t p) {
-        floats[p] = is_seen_through(points[p].position, maps, options.margin_px, options.n_views);
+        int n_surface = 0, n_through = 0;
+        for (const DepthMap& map : maps) {
+            const Sight sight = look_at(map, points[p].position, options.margin_px);
+            n_surface += sight == Sight::surface;
+            n_through += sight == Sight::through;
+        }
+        floats[p] = n_through >= options.n_views && n_through > 2 * n_surface;
     });
-    std::size_t n_kept = 0;
+    std::vector<OrientedPoint> kept;
     for (std::size_t p = 0; p < points.size(); ++p)
-        if (floats[p] == 0) points[n_kept++] = points[p];
-    points.resize(n_kept);
-    return points;
-}
-
-// The places of a lattice over the hull that are seen through.
-std::vector<Vec3> free_space(const VisualHull& hull, double spacing, std::span<const DepthMap> maps,
-                             const CavityOptions& options) {
-    const Eigen::Vector3i n = ((hull.upper - hull.lower) / spacing).array().ceil().cast<int>() + 1;
-    const auto rows_y = static_cast<std::size_t>(n.y());
-    std::vector<std::vector<Vec3>> of_row(rows_y * static_cast<std::size_t>(n.z()));
-    parallel_for(
-        of_row.size(),
-        [&](std::size_t row) {
-            for (int i = 0; i < n.x(); ++i) {
-                const Vec3 place = hull.lower + spacing * Vec3(i, static_cast<double>(row % rows_y),
-                                                               static_cast<double>(row / rows_y));
-                if (is_seen_through(place, maps, options.margin_px, options.n_views_free)) of_row[row].push_back(place);
-            }
-        },
-        1);
-    std::vector<Vec3> places;
-    for (const auto& row : of_row) places.insert(places.end(), row.begin(), row.end());
-    return places;
+        if (floats[p] == 0) kept.push_back(points[p]);
+    return kept;
 }
 
 // ---- lengths of the world that correspond to pixels of the sweep
@@ -122,12 +94,12 @@ std::vector<OrientedPoint> surface_seen(std::span<const DepthMap> maps, const Ca
 
 }  // namespace
 
-SurfaceEvidence open_cavities(const VisualHull& hull, std::span<const DepthMap> maps, const CavityOptions& options) {
+std::vector<OrientedPoint> open_cavities(const VisualHull& hull, std::span<const DepthMap> maps,
+                                         const CavityOptions& options) {
     const auto scale = scale_at(0.5 * (hull.lower + hull.upper), maps);
-    if (!scale) return {hull.points, {}};
-    SurfaceEvidence evidence{without_seen_through(hull.points, maps, options), {}};
-    std::vector<OrientedPoint>& points = evidence.points;
-    if (points.empty() || points.size() == hull.points.size()) return {hull.points, {}};
+    if (!scale) return hull.points;
+    std::vector<OrientedPoint> points = without_seen_through(hull.points, maps, options);
+    if (points.size() == hull.points.size()) return points;
 
     const std::vector<OrientedPoint> seen = fuse_points(surface_seen(maps, options), scale->pixel, hull.cell);
     const PointGrid kept(points, options.margin_px * scale->disparity);
@@ -136,12 +108,9 @@ SurfaceEvidence open_cavities(const VisualHull& hull, std::span<const DepthMap> 
         is_new[p] = 1;
         kept.for_each_near(seen[p], [&](const OrientedPoint&) { return is_new[p] = 0, false; });
     });
-    std::vector<OrientedPoint> added;
     for (std::size_t p = 0; p < seen.size(); ++p)
-        if (is_new[p] != 0) added.push_back(seen[p]);
-    points.insert(points.end(), added.begin(), added.end());
-    evidence.outside = free_space(hull, scale->pixel, maps, options);
-    return evidence;
+        if (is_new[p] != 0) points.push_back(seen[p]);
+    return points;
 }
 
 }  // namespace anyrate

@@ -249,18 +249,6 @@ void splat_all(std::span<const OrientedPoint> points, const Placement& grid, dou
                      1);
 }
 
-// Outside, u is to be what it is on the border: 0. That is screening without a right-hand side.
-void screen_outside(std::span<const Vec3> places, const Placement& grid, double screening, Level& level) {
-    const Vec3 last = Vec3(grid.size.nx, grid.size.ny, grid.size.nz) - Vec3::Constant(2.0);
-    for (const Vec3& place : places) {
-        const Vec3 in_grid = grid.to_grid(place);
-        if (!(in_grid.array() >= 0.0).all() || !(in_grid.array() < last.array()).all()) continue;
-        for_each_corner(in_grid, [&](int i, int j, int k, float weight) {
-            level.sigma[grid.size.node(i, j, k)] += weight * static_cast<float>(screening);
-        });
-    }
-}
-
 // Mean of the field over the points' surface.
 double mean_at_points(std::span<const OrientedPoint> points, const Placement& grid, const std::vector<float>& values) {
     std::vector<float> at_point(points.size());
@@ -304,8 +292,7 @@ Placement place_grid(std::span<const OrientedPoint> points, const PoissonOptions
 
 }  // namespace
 
-ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options,
-                          std::span<const Vec3> outside) {
+ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options) {
     assert(options.spacing > 0.0 && options.margin >= 2);
     if (points.empty()) throw InputError("poisson: expected oriented points, got none");
     int n_levels = 0;
@@ -318,7 +305,6 @@ ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOp
         size = {size.nx / 2 + 1, size.ny / 2 + 1, size.nz / 2 + 1};
     }
     splat_all(points, grid, options.screening, levels.front());
-    screen_outside(outside, grid, options.screening, levels.front());
     solve(levels);
 
     ScalarField field{grid.size.nx, grid.size.ny, grid.size.nz, grid.origin, grid.spacing, std::move(levels.front().u)};

@@ -27,11 +27,7 @@ struct PoissonOptions {
 /// and +1 outside. Positive on the grid's border. The points should be no further apart than the spacing where the
 /// surface is to follow them; gaps are closed smoothly. Source: Kazhdan, Bolitho, Hoppe 2006; screening after Kazhdan
 /// and Hoppe 2013.
-/// @param outside  places known to be outside the object, world units: across a gap in the points the surface may take
-///                 any way but through these. Each weighs as much as a point of a cell's area; those beyond the grid
-///                 that the points span are passed over.
 /// @throws InputError if `points` is empty, or spans more than 2^28 nodes at this spacing
-ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options,
-                          std::span<const Vec3> outside = {});
+ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options);
 
 }  // namespace anyrate
