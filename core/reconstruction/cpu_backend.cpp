@@ -4,7 +4,6 @@
 #include "core/parallel.h"
 #include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/photo_consistency.h"
-#include "core/reconstruction/sampling.h"
 #include "core/reconstruction/visibility.h"
 
 namespace anyrate {
@@ -30,7 +29,7 @@ struct SampleInView {
 
 class CpuBackend final : public PhotoBackend {
 public:
-    explicit CpuBackend(const PhotoImages& images) : images_(images) {}
+    CpuBackend(const PhotoImages& images, Sampling sampling) : images_(images), sampling_(sampling) {}
 
     void set_surface(const SurfaceView& surface, int level, double samples_per_px) override {
         assert(level >= 0 && level < images_.n_levels());
@@ -39,9 +38,12 @@ public:
         const OneRings rings(surface);
         faces_.resize(surface.triangles.size());
         const double area_scale = std::ldexp(1.0, -2 * level);
+        std::vector<double> areas_px(faces_.size());
+        for (std::size_t f = 0; f < faces_.size(); ++f)
+            areas_px[f] = visibility_->mean_area_px(static_cast<std::int32_t>(f)) * area_scale;
+        const std::vector<int> steps = lattice_steps(areas_px, samples_per_px, sampling_);
         for (std::size_t f = 0; f < faces_.size(); ++f) {
-            const double area_px = visibility_->mean_area_px(static_cast<std::int32_t>(f)) * area_scale;
-            faces_[f].steps = lattice_steps(area_px, samples_per_px);
+            faces_[f].steps = steps[f];
             for (std::size_t k = 0; k < 3; ++k)
                 faces_[f].corner_weight[k] = 1.0 / rings.valence(surface.triangles[f][k]);
         }
@@ -202,6 +204,7 @@ private:
     }
 
     const PhotoImages& images_;
+    Sampling sampling_;
     int level_ = 0;
     std::unique_ptr<Visibility> visibility_;
     std::vector<Face> faces_;
@@ -209,8 +212,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images) {
-    return std::make_unique<CpuBackend>(images);
+std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images, Sampling sampling) {
+    return std::make_unique<CpuBackend>(images, sampling);
 }
 
 }  // namespace anyrate

@@ -13,15 +13,6 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-std::vector<TriangleQuery> whole_surface(const SurfaceView& surface) {
-    std::vector<TriangleQuery> batch(surface.triangles.size());
-    for (std::size_t f = 0; f < batch.size(); ++f) {
-        batch[f].face = static_cast<std::int32_t>(f);
-        for (std::size_t k = 0; k < 3; ++k) batch[f].corners[k] = surface.vertices[at(surface.triangles[f][k])];
-    }
-    return batch;
-}
-
 std::vector<double> shortest_edges(const SurfaceView& surface, const OneRings& rings) {
     std::vector<double> shortest(surface.vertices.size(), std::numeric_limits<double>::infinity());
     for (std::size_t v = 0; v < shortest.size(); ++v)

@@ -39,7 +39,7 @@ std::vector<Vec3> flow_step(std::span<const std::optional<double>> G, std::span<
                             std::span<const double> bounds);
 
 /// The loop: visibility, Eq. 4, Eq. 12, until Psi no longer falls; the vertices end at the lowest Psi met.
-/// @param progress hears the iteration and Psi
+/// @param progress hears the iteration and Psi, as the flow samples it, while `vertices` are those of the iteration
 void surface_flow(PhotoBackend& backend, std::vector<Vec3>& vertices, std::span<const Triangle> triangles,
                   const FlowOptions& options, const std::function<void(int, double)>& progress = {},
                   const std::stop_token& stop = {});

@@ -6,6 +6,7 @@
 
 #include "core/reconstruction/distortion.h"
 #include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/sampling.h"
 #include "core/reconstruction/surface_view.h"
 
 namespace anyrate {
@@ -53,6 +54,12 @@ public:
 };
 
 /// The reference implementation, on oneTBB. `images` must outlive it.
-std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images);
+std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images, Sampling sampling = Sampling::adaptive);
+
+/// Every face of the surface where it stands, in order.
+std::vector<TriangleQuery> whole_surface(const SurfaceView& surface);
+
+/// Psi (Nghiem et al., Eq. 10) of a surface at the photographs' own resolution. It becomes the backend's current one.
+double measure_surface(PhotoBackend& backend, const SurfaceView& surface, double samples_per_px = 1.0);
 
 }  // namespace anyrate

@@ -27,6 +27,8 @@ void check(const ReconstructOptions& options) {
     require(options.n_vertices >= options.n_coarse && options.n_vertices <= largest_count,
             "vertices: expected a number from the coarse count (" + std::to_string(options.n_coarse) + ") to " +
                 std::to_string(largest_count) + ", got " + std::to_string(options.n_vertices));
+    require(options.samples_per_px > 0,
+            "samples per pixel: expected a number above 0, got " + std::to_string(options.samples_per_px));
 }
 
 /// The grid that holds a surface with room to move.
@@ -110,18 +112,23 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     // Step 2: mesh optimisation at a fixed rate.
     Silhouettes silhouettes(capture);
     const auto backend = make_cpu_backend(images);
+    const auto sampler = make_cpu_backend(images, options.sampling);
+    ReconstructResult result;
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
     if (fixed_rate) {
-        const FlowOptions flow;
+        const FlowOptions flow{.samples_per_px = options.samples_per_px};
+        const bool is_measure = options.sampling == Sampling::adaptive && options.samples_per_px == 1.0;
         surface_flow(
-            *backend, mesh.vertices, mesh.triangles, flow,
-            [&](int i, double psi) {
+            *sampler, mesh.vertices, mesh.triangles, flow,
+            [&](int i, double flow_psi) {
+                const double psi = is_measure ? flow_psi : measure_surface(*backend, mesh);
+                result.iterations.push_back(psi);
                 tell({Stage::optimise, static_cast<double>(i) / flow.max_iterations, mesh.n_vertices(), psi});
             },
             stop);
     } else {
         optimise_coarse_to_fine(
-            *backend, silhouettes, mesh,
+            *sampler, silhouettes, mesh,
             [&](double part) {
                 tell({Stage::optimise, part, mesh.n_vertices(), 0});
             },
@@ -139,7 +146,6 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
                          measure_state(*backend, state, refinement.samples_per_px).point);
 
     // Step 3: progressive refinement.
-    ReconstructResult result;
     if (fixed_rate) refinement.n_vertices = state.n_vertices();
     result.curve = refine(
         state, *backend, silhouettes, images, refinement, sink,

@@ -6,6 +6,7 @@
 
 #include "core/capture/capture.h"
 #include "core/progressive/model_sink.h"
+#include "core/reconstruction/sampling.h"
 
 namespace anyrate {
 
@@ -20,6 +21,8 @@ struct ReconstructOptions {
     int n_coarse = 2'500;
     std::uint64_t seed = 1;
     Method method = Method::refine;
+    Sampling sampling = Sampling::adaptive;  ///< of step 2; step 3 and every Psi that is told sample adaptively
+    double samples_per_px = 1.0;             ///< C of Eq. 7 in the surface flow (`Method::flow`)
 };
 
 enum class Stage { hull, poisson, remesh, optimise, refine };
@@ -39,8 +42,9 @@ struct CurvePoint {
 };
 
 struct ReconstructResult {
-    std::vector<CurvePoint> curve;  ///< one per batch, the base first
-    bool stopped = false;           ///< the stop token ended it early; what the sink received is a valid model
+    std::vector<CurvePoint> curve;   ///< one per batch, the base first
+    std::vector<double> iterations;  ///< Method::flow: Psi before each of its iterations and at the end
+    bool stopped = false;            ///< the stop token ended it early; what the sink received is a valid model
 };
 
 /// The whole method: hull, Poisson, remesh, then the loop visibility - photo-consistency - flow - refine - emit.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 
 namespace anyrate {
 namespace {
@@ -27,6 +29,23 @@ std::vector<LatticeSample> make_lattice(int M) {
     return samples;
 }
 
+std::int64_t n_points(int M) { return static_cast<std::int64_t>(M + 1) * (M + 2) / 2; }
+
+/// The steps for which the triangles that are seen have most nearly as many points as with `steps`.
+int uniform_steps(std::span<const double> mean_areas_px, std::span<const int> steps) {
+    std::int64_t n_seen = 0, n_adaptive = 0;
+    for (std::size_t f = 0; f < steps.size(); ++f)
+        if (mean_areas_px[f] > 0) {
+            ++n_seen;
+            n_adaptive += n_points(steps[f]);
+        }
+    const auto off = [&](int M) { return std::abs(n_seen * n_points(M) - n_adaptive); };
+    int best = 1;
+    for (int M = 2; M <= max_lattice_steps; ++M)
+        if (off(M) < off(best)) best = M;
+    return best;
+}
+
 }  // namespace
 
 std::span<const LatticeSample> lattice(int M) {
@@ -44,6 +63,14 @@ int lattice_steps(double mean_area_px, double C) {
     // Nghiem et al., Eq. 7.
     const double M = std::sqrt(2.0 * C * mean_area_px);
     return std::clamp(static_cast<int>(std::lround(M)), 1, max_lattice_steps);
+}
+
+std::vector<int> lattice_steps(std::span<const double> mean_areas_px, double C, Sampling sampling) {
+    std::vector<int> steps(mean_areas_px.size());
+    std::transform(mean_areas_px.begin(), mean_areas_px.end(), steps.begin(),
+                   [C](double area_px) { return lattice_steps(area_px, C); });
+    if (sampling == Sampling::uniform) std::fill(steps.begin(), steps.end(), uniform_steps(mean_areas_px, steps));
+    return steps;
 }
 
 }  // namespace anyrate

@@ -26,4 +26,15 @@ inline constexpr int max_lattice_steps = 64;
 /// @param C samples per pixel
 int lattice_steps(double mean_area_px, double C);
 
+/// How a surface's samples are shared out among its triangles.
+enum class Sampling {
+    adaptive,  ///< by projected area, Eq. 7
+    uniform,   ///< the same number in every triangle: what the paper compares Eq. 7 with (Fig. 7)
+};
+
+/// Steps per edge of every triangle. Uniform sampling takes the one number of steps that gives the triangles which are
+/// seen (of an area above 0) as nearly as possible as many lattice points together as Eq. 7 does.
+/// @param mean_areas_px  per triangle, as for the function above
+std::vector<int> lattice_steps(std::span<const double> mean_areas_px, double C, Sampling sampling);
+
 }  // namespace anyrate

@@ -44,6 +44,8 @@ std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& option
     hash.add_value(options.n_coarse);
     hash.add_value(options.seed);
     hash.add_value(static_cast<int>(options.method));
+    hash.add_value(static_cast<int>(options.sampling));
+    hash.add_value(options.samples_per_px);
     return hash.value();
 }
 

@@ -29,6 +29,7 @@ enum class Backend { automatic, cpu, gpu };
 
 const std::map<std::string, Method> methods = {
     {"refine", Method::refine}, {"flow", Method::flow}, {"uniform", Method::uniform}};
+const std::map<std::string, Sampling> samplings = {{"adaptive", Sampling::adaptive}, {"uniform", Sampling::uniform}};
 const std::map<std::string, Backend> backends = {
     {"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"gpu", Backend::gpu}};
 
@@ -69,7 +70,8 @@ std::string method_name(Method method) {
 }
 
 /// @param curve  with the bytes of the live log, whose frames begin right behind its header
-Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> curve, int n_threads, bool stopped) {
+Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> curve, int n_threads,
+                   const ReconstructResult& result) {
     const auto log = read_log(request.model);
     const LogLayout layout = read_layout(log);
     for (ReportPoint& point : curve) point.bytes += layout.frames_begin - header_size;
@@ -78,9 +80,10 @@ Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> c
             .backend = "cpu",
             .n_threads = n_threads,
             .curve = std::move(curve),
+            .iterations = result.iterations,
             .max_distortion = layout.index.back().max_distortion,
             .log_bytes = log.size(),
-            .stopped = stopped};
+            .stopped = result.stopped};
 }
 
 void print_summary(const ReconstructCommand& request, const Report& report, const StageClock& clock) {
@@ -102,13 +105,13 @@ int reconstruct_capture(const ReconstructCommand& request) {
         curve.push_back({static_cast<int>(point.n_vertices), point.n_bytes, point.psi, clock.total_seconds()});
     });
     TimedSink sink(log, clock);
-    const bool stopped = [&] {
+    const ReconstructResult result = [&] {
         ProgressBar bar;
         const auto on_progress = [&](const Progress& progress) {
             clock.switch_to(activity_of(progress.stage));
             if (!request.quiet) bar.show(progress);
         };
-        return reconstruct(capture, request.reconstruct, sink, on_progress, interrupt.token()).stopped;
+        return reconstruct(capture, request.reconstruct, sink, on_progress, interrupt.token());
     }();
     if (curve.empty()) {
         std::fprintf(stderr, "anyrate: interrupted before the coarse mesh was there; no model was written\n");
@@ -116,10 +119,10 @@ int reconstruct_capture(const ReconstructCommand& request) {
     }
     log.seal(request.model);
 
-    const Report report = make_report(request, std::move(curve), threads.n_threads(), stopped);
+    const Report report = make_report(request, std::move(curve), threads.n_threads(), result);
     if (request.report) replace_file(*request.report, as_bytes(report_json(report, clock)));
     if (!request.quiet) print_summary(request, report, clock);
-    if (!stopped) return 0;
+    if (!result.stopped) return 0;
     std::fprintf(stderr, "anyrate: interrupted; %s is a valid model that ends at its last whole frame, %d vertices\n",
                  request.model.c_str(), report.curve.back().n_vertices);
     return 1;
@@ -140,6 +143,14 @@ void add_options(CLI::App& sub, ReconstructCommand& request) {
     sub.add_option("--method", request.reconstruct.method,
                    "refine: the method; flow: surface flow alone; uniform: split the largest faces")
         ->transform(CLI::CheckedTransformer(methods));
+    sub.add_option(
+           "--sampling", request.reconstruct.sampling,
+           "of the coarse mesh's optimisation: adaptive, samples by projected area; uniform: the same number in "
+           "every triangle")
+        ->transform(CLI::CheckedTransformer(samplings));
+    sub.add_option("--samples-per-px", request.reconstruct.samples_per_px, "of --method flow")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
     sub.add_option("--threads", request.n_threads, "at most N threads; every processor by default")
         ->check(CLI::PositiveNumber);
     sub.add_option("--seed", request.reconstruct.seed, "of the random choices")->capture_default_str();

@@ -32,19 +32,20 @@ std::string report_json(const Report& report, const StageClock& clock) {
     for (const ReportPoint& p : report.curve) {
         curve.push_back({{"vertices", p.n_vertices}, {"bytes", p.bytes}, {"psi", p.psi}, {"seconds", p.seconds}});
     }
-    const Json json = {{"capture", report.capture},
-                       {"method", report.method},
-                       {"backend", report.backend},
-                       {"threads", report.n_threads},
-                       {"seconds", seconds_json(clock)},
-                       {"peak_memory_bytes", peak_memory_bytes()},
-                       {"curve", std::move(curve)},
-                       {"final",
-                        {{"vertices", report.curve.back().n_vertices},
-                         {"bytes", report.log_bytes},
-                         {"psi", report.curve.back().psi},
-                         {"max_distortion", report.max_distortion},
-                         {"stopped", report.stopped}}}};
+    Json json = {{"capture", report.capture},
+                 {"method", report.method},
+                 {"backend", report.backend},
+                 {"threads", report.n_threads},
+                 {"seconds", seconds_json(clock)},
+                 {"peak_memory_bytes", peak_memory_bytes()},
+                 {"curve", std::move(curve)},
+                 {"final",
+                  {{"vertices", report.curve.back().n_vertices},
+                   {"bytes", report.log_bytes},
+                   {"psi", report.curve.back().psi},
+                   {"max_distortion", report.max_distortion},
+                   {"stopped", report.stopped}}}};
+    if (!report.iterations.empty()) json["iterations"] = report.iterations;
     return json.dump(2) + "\n";
 }
 

@@ -20,6 +20,7 @@ struct Report {
     std::string capture, method, backend;
     int n_threads = 0;
     std::vector<ReportPoint> curve;  ///< the base first
+    std::vector<double> iterations;  ///< Psi before each iteration of the surface flow and at its end; empty without it
     double max_distortion = 0;       ///< largest mean of one triangle of the final mesh
     std::uint64_t log_bytes = 0;
     bool stopped = false;  ///< interrupted before its last batch

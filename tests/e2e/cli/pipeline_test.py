@@ -126,6 +126,18 @@ class Reconstruct(unittest.TestCase):
         self.assertLessEqual(abs(n_vertices - N_VERTICES), 0.02 * N_VERTICES)
         self.assertIsNone(fault_of_manifold(n_vertices, triangles))
 
+    def test_the_surface_flow_reports_psi_of_every_iteration_for_both_samplings(self):
+        first = []
+        for sampling in ("adaptive", "uniform"):
+            file, report = scratch() / f"{sampling}.arl", scratch() / f"{sampling}.json"
+            must(*reconstruct_arguments(capture(), file), "--method", "flow", "--sampling", sampling, "--samples-per-px", 0.2,
+                 "--report", report)
+            psi = json.loads(report.read_text())["iterations"]
+            self.assertGreater(len(psi), 3)
+            self.assertLess(min(psi), psi[0])
+            first.append(psi[0])
+        self.assertEqual(*first)  # the same surface, measured the same way
+
     def test_no_gpu_is_said_so(self):
         done = anyrate(*reconstruct_arguments(capture(), scratch() / "gpu.arl"), "--backend", "gpu")
         self.assertEqual(done.returncode, 1)

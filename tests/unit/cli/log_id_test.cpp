@@ -23,6 +23,8 @@ TEST_CASE("Log id: whatever changes the model changes the id") {
     CHECK(is_new(capture, {.n_coarse = 2'499}));
     CHECK(is_new(capture, {.seed = 2}));
     CHECK(is_new(capture, {.method = Method::flow}));
+    CHECK(is_new(capture, {.sampling = Sampling::uniform}));
+    CHECK(is_new(capture, {.samples_per_px = 2}));
     Capture other = capture;
     other.views[1].image(3, 4).g ^= 1;
     CHECK(is_new(other, {}));
