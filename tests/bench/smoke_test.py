@@ -1,0 +1,92 @@
+"""The benchmark scripts still run and say what they promise, on a tiny capture made here. Numbers are not judged.
+
+Run by CTest; by hand: ANYRATE_BUILD=build python3 -m unittest smoke_test, from this folder.
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.dom.minidom
+
+HERE = pathlib.Path(__file__).resolve().parent
+BUILD = pathlib.Path(os.environ.get("ANYRATE_BUILD") or HERE.parents[1] / "build")
+SIZE = ["--coarse", "250", "--build", str(BUILD)]
+
+
+def bench(script, *arguments):
+    """(JSON that the script printed, what it said besides)"""
+    # Without the shared captures, so that distances come from `anyrate compare` and the test is the same everywhere.
+    environment = {**os.environ, "ANYRATE_SHARED": str(HERE / "nowhere"), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, str(HERE / script), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=300)
+    if done.returncode != 0:
+        raise AssertionError(f"{script}: exit {done.returncode}\n{done.stderr}")
+    return json.loads(done.stdout), done.stderr
+
+
+class Smoke(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="anyrate-smoke-"))
+        cls.capture = cls.folder / "torus"
+        small = ["--views", "10", "--width", "160", "--height", "120"]
+        subprocess.run([BUILD / "anyrate", "simulate", "--scene", "torus", "-o", cls.capture, *small], check=True, stderr=subprocess.PIPE)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder, ignore_errors=True)
+
+    def test_paper_measures_all_methods_and_draws_them(self):
+        out = self.folder / "paper"
+        fig7 = ["--iterations-at", 300, "--iterations-of", "torus"]
+        result, _ = bench("paper.py", "--captures", self.capture, "--rates", 250, 500, "--out", out, *fig7, *SIZE)
+        rates = result["captures"]["torus"]
+        self.assertGreater(rates["noise_floor"], 0)
+        for method in ("refine", "uniform", "flow", "truth"):
+            self.assertTrue(all(point["psi"] > 0 for point in rates[method]), method)
+        self.assertLess(rates["refine"][-1]["psi"], rates["refine"][0]["psi"])
+        self.assertEqual(len(rates["reductions"]), 2)
+        both = result["iterations"]["torus"]
+        self.assertEqual(both["adaptive"]["psi"][0], both["uniform"]["psi"][0])
+        self.assertAlmostEqual(both["adaptive"]["samples"] / both["uniform"]["samples"], 1, delta=0.1)
+        for plot in ("psi_vertices_torus", "psi_above_floor_torus", "psi_iterations_torus"):
+            self.assertEqual(xml.dom.minidom.parse(str(out / f"{plot}.svg")).documentElement.tagName, "svg")
+        self.assertEqual((out / "meshes_torus.png").read_bytes()[1:4], b"PNG")
+        self.assertEqual(json.loads((out / "paper.json").read_text()), result)
+
+    def test_accuracy_tells_both_routes(self):
+        out = self.folder / "accuracy"
+        counts = ["--vertices", 500, "--budgets", 300, 500]
+        result, _ = bench("accuracy.py", "--captures", self.capture, "--out", out, *counts, *SIZE)
+        told = result["captures"]["torus"]
+        self.assertEqual(sorted(told["at"]), ["300", "500"])
+        for row in told["at"].values():
+            self.assertTrue(row["closed_manifold"])
+            self.assertEqual(row["genus"], 1)
+            self.assertGreaterEqual(row["self_intersections"], 0)
+            self.assertGreater(row["seen_percent"]["mean"], 0)
+        self.assertGreater(told["other_route"][0]["prefix_over_simplified_from_1000"], 0)
+        self.assertGreater(told["peak_memory_bytes"], 1e6)
+        self.assertIn("| torus | 500 |", (out / "accuracy.md").read_text())
+
+    def test_robustness_judges_a_perturbation_against_the_clean_capture(self):
+        only = ["--only", "scale_1000", "gain_20_percent", "--vertices", 400]
+        result, _ = bench("robustness.py", "--captures", self.capture, *only, *SIZE)
+        rows = result["captures"]["torus"]
+        self.assertEqual(list(rows), ["clean", "scale_1000", "gain_20_percent"])
+        self.assertTrue(rows["clean"]["one_closed_manifold"])
+        for name in ("scale_1000", "gain_20_percent"):
+            self.assertGreater(rows[name]["error_ratio"], 0)
+
+    def test_captures_that_are_not_here_are_skipped_with_a_message(self):
+        result, said = bench("accuracy.py", "--captures", "nefertiti", *SIZE)
+        self.assertEqual(result["captures"], {})
+        self.assertIn("skipped nefertiti", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
