@@ -81,7 +81,7 @@ def log_axis(values, first, last):
     low, high = min(values), max(values)
     low, high = low / (high / low) ** 0.04 / 1.02, high * (high / low) ** 0.04 * 1.02
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    steps = (1, 2, 3, 4, 5, 7) if high / low < 8 else (1, 2, 5) if high / low < 300 else (1,)
+    steps = (1, 1.5, 2, 2.5, 3, 4, 5, 7) if high / low < 8 else (1, 2, 5) if high / low < 300 else (1,)
     ticks = [m * 10.0**d for d in decades for m in steps if low <= m * 10.0**d <= high]
     return Axis(low, high, first, last, True, ticks)
 
@@ -104,12 +104,32 @@ def path_of(series, x, y, colour):
     return f'<path class="s{colour}" d="{route}"{dash}/>'
 
 
-def legend(series, levels):
-    """Upper right, where falling curves leave room."""
+def along(route):
+    """Points close together along a polyline of pixels."""
+    for (x0, y0), (x1, y1) in zip(route, route[1:]):
+        n = 1 + int(math.hypot(x1 - x0, y1 - y0) / 4)
+        yield from ((x0 + (x1 - x0) * i / n, y0 + (y1 - y0) * i / n) for i in range(n + 1))
+
+
+def emptiest_corner(routes, width, height):
+    """Left and top of a box of this size in the corner of the plot that hides least of the curves."""
+    inset = 8
+    lefts, tops = (WIDTH - RIGHT - width - inset, LEFT + inset), (TOP + inset, HEIGHT - BOTTOM - height - inset)
+    corners = [(left, top) for left in lefts for top in tops]
+    crowd = [pixel for route in routes for pixel in along(route)]
+
+    def hidden(corner):
+        left, top = corner
+        return sum(left - 4 <= x <= left + width + 4 and top - 4 <= y <= top + height + 4 for x, y in crowd)
+
+    return min(corners, key=hidden)
+
+
+def legend(series, levels, routes):
     names = [s.name for s in series] + [level.name for level in levels]
-    width = 52 + 7.2 * max(map(len, names))
-    left, top = WIDTH - RIGHT - width - 8, TOP + 8
-    parts = [f'<rect class="legend" x="{left:.0f}" y="{top}" width="{width:.0f}" height="{20 * len(names) + 8}" rx="4"/>']
+    width, height = 52 + 7.2 * max(map(len, names)), 20 * len(names) + 8
+    left, top = emptiest_corner(routes, width, height)
+    parts = [f'<rect class="legend" x="{left:.0f}" y="{top}" width="{width:.0f}" height="{height}" rx="4"/>']
     for i, name in enumerate(names):
         y = top + 18 + 20 * i
         if i < len(series):
@@ -155,13 +175,13 @@ def line_plot(title, x_label, y_label, series, levels=(), log_x=False, log_y=Fal
     parts.append(f'<path class="axis" d="M{left},{top} V{bottom} H{right}"/>')
     parts.append(f'<text x="{(left + right) / 2}" y="{HEIGHT - 14}" text-anchor="middle">{escape(x_label)}</text>')
     middle = (top + bottom) / 2
-    parts.append(
-        f'<text x="18" y="{middle}" text-anchor="middle" transform="rotate(-90 18 {middle})">{escape(y_label)}</text>'
-    )
+    parts.append(f'<text text-anchor="middle" transform="translate(18 {middle}) rotate(-90)">{escape(y_label)}</text>')
     for level in levels:
         parts.append(f'<line class="level" x1="{left}" x2="{right}" y1="{y(level.y):.1f}" y2="{y(level.y):.1f}"/>')
     for i, s in enumerate(series):
         parts.append(path_of(s, x, y, i % len(COLOURS)))
         if s.dots:
             parts.extend(dots_of(s, x, y, i % len(COLOURS)))
-    return "\n".join(parts + legend(series, levels) + ["</svg>", ""])
+    routes = [[(x(a), y(b)) for a, b in s.points] for s in series]
+    routes += [[(left, y(level.y)), (right, y(level.y))] for level in levels]
+    return "\n".join(parts + legend(series, levels, routes) + ["</svg>", ""])
