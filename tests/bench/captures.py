@@ -14,7 +14,6 @@ Timings are those of this machine as it is while the script runs; run it on an i
 import argparse
 import json
 import os
-import platform
 import struct
 import subprocess
 import sys
@@ -22,20 +21,12 @@ import tempfile
 import time
 from collections import Counter
 
+from measuring import machine
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 CAPTURES = ["nefertiti", "pot", "bowl", "oxford_dinosaur"]
 BUDGETS = [2500, 2501, 3000, 5000, 7777, 9999, 10000]
 EVALUATED = [2500, 5000, 10000]
-
-
-def machine():
-    cpu = platform.processor()
-    try:
-        with open("/proc/cpuinfo") as f:
-            cpu = next((line.split(":", 1)[1].strip() for line in f if line.startswith("model name")), cpu)
-    except OSError:
-        pass
-    return {"cpu": cpu, "cores": os.cpu_count(), "load_average": os.getloadavg()[0], "system": platform.platform()}
 
 
 def read_ply(path):

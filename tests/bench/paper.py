@@ -70,7 +70,8 @@ def psi_against_vertices(bench, capture, name, options):
         point = rate_point(bench, capture, flow_mesh)
         flow.append(point)
         reductions.append(reduction(bench, capture, model, point, floor, paper_percent if n == paper_count else None))
-        note(f"{name}: flow at {point['vertices']}: Psi {point['psi']:.2f}, {reductions[-1]['reduction_percent']:.1f} % of it saved by ours")
+        saved = reductions[-1]["reduction_percent"]
+        note(f"{name}: flow at {point['vertices']}: Psi {point['psi']:.2f}, {saved:.1f} % of it saved by ours")
     result = {"noise_floor": floor, "refine": refine, "uniform": uniform, "flow": flow}
     if floor is not None:
         result["truth"] = [rate_point(bench, capture, bench.simplify(truth, n)) for n in options.rates]
@@ -113,7 +114,13 @@ def points(curve, subtract=0.0):
     return [(p["vertices"], p["psi"] - subtract) for p in curve]
 
 
-NAMES = {"refine": "Anyrate (one log)", "flow": "plain surface flow", "uniform": "global subdivision", "truth": "true surface, simplified"}
+NAMES = {
+    "refine": "Anyrate (one log)",
+    "flow": "plain surface flow",
+    "uniform": "global subdivision",
+    "truth": "true surface, simplified",
+}
+UNIT = "squared colour units"
 
 
 def plot_rates(name, rates, out):
@@ -122,14 +129,14 @@ def plot_rates(name, rates, out):
     levels = [] if floor is None else [Level("noise floor (true surface)", floor)]
     series = [Series(NAMES[key], points(rates[key]), dashed=key == "truth") for key in curves]
     axes = {"log_x": True, "log_y": True}
-    (out / f"psi_vertices_{name}.svg").write_text(
-        line_plot(f"{name}: distortion against rate (Fig. 6)", "vertices", "Ψ, squared colour units", series, levels, **axes)
-    )
+    title = f"{name}: distortion against rate (Fig. 6)"
+    plot = line_plot(title, "vertices", f"Ψ, {UNIT}", series, levels, **axes)
+    (out / f"psi_vertices_{name}.svg").write_text(plot)
     if floor is not None:
         above = [Series(NAMES[key], points(rates[key], floor), dashed=key == "truth") for key in curves]
-        (out / f"psi_above_floor_{name}.svg").write_text(
-            line_plot(f"{name}: distortion above the noise floor", "vertices", "Ψ − noise floor, squared colour units", above, **axes)
-        )
+        title = f"{name}: distortion above the noise floor"
+        plot = line_plot(title, "vertices", f"Ψ − noise floor, {UNIT}", above, **axes)
+        (out / f"psi_above_floor_{name}.svg").write_text(plot)
     with open(out / f"psi_vertices_{name}.csv", "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["method", "vertices", "psi", "psi_above_floor"])
@@ -139,21 +146,22 @@ def plot_rates(name, rates, out):
 
 
 def plot_iterations(name, fig7, out):
-    series = [Series(f"{kind} sampling", list(enumerate(fig7[kind]["psi"])), dots=False) for kind in ("adaptive", "uniform")]
+    kinds = ("adaptive", "uniform")
+    series = [Series(f"{kind} sampling", list(enumerate(fig7[kind]["psi"])), dots=False) for kind in kinds]
     title = f"{name}, {fig7['vertices']:,} vertices: both samplings, as many samples (Fig. 7)"
-    (out / f"psi_iterations_{name}.svg").write_text(
-        line_plot(title, "iteration of the surface flow", "Ψ, squared colour units", series, log_y=True)
-    )
+    plot = line_plot(title, "iteration of the surface flow", f"Ψ, {UNIT}", series, log_y=True)
+    (out / f"psi_iterations_{name}.svg").write_text(plot)
     with open(out / f"psi_iterations_{name}.csv", "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["sampling", "iteration", "psi"])
-        for kind in ("adaptive", "uniform"):
+        for kind in kinds:
             table.writerows([kind, i, psi] for i, psi in enumerate(fig7[kind]["psi"]))
 
 
 def main():
     options = parser(__doc__, ["nefertiti", "pot", "bowl"])
-    options.add_argument("--rates", nargs="+", type=int, default=[2500, 3500, 5000, 7500, 10000], help="vertices of the flow")
+    rates = [2500, 3500, 5000, 7500, 10000]
+    options.add_argument("--rates", nargs="+", type=int, default=rates, help="vertices of the flow")
     options.add_argument("--coarse", type=int, default=2500, help="vertices of the coarse mesh")
     options.add_argument("--iterations-at", type=int, default=2887, help="vertices of Fig. 7")
     options.add_argument("--iterations-of", nargs="*", default=["nefertiti"], help="captures of Fig. 7")

@@ -88,7 +88,8 @@ def second_ring(bench, options):
     if capture is None:
         return None
     clean = reconstructed(bench, capture, "one_ring", capture, options)
-    return against(clean, reconstructed(bench, capture, "second_ring", capture, options, "cameras_2ring.json"), MAX_RATIO)
+    both = reconstructed(bench, capture, "second_ring", capture, options, "cameras_2ring.json")
+    return against(clean, both, MAX_RATIO)
 
 
 def handles(bench, options):

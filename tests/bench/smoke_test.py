@@ -34,7 +34,8 @@ class Smoke(unittest.TestCase):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="anyrate-smoke-"))
         cls.capture = cls.folder / "torus"
         small = ["--views", "10", "--width", "160", "--height", "120"]
-        subprocess.run([BUILD / "anyrate", "simulate", "--scene", "torus", "-o", cls.capture, *small], check=True, stderr=subprocess.PIPE)
+        command = [BUILD / "anyrate", "simulate", "--scene", "torus", "-o", cls.capture, *small]
+        subprocess.run(command, check=True, stderr=subprocess.PIPE)
 
     @classmethod
     def tearDownClass(cls):

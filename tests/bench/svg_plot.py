@@ -7,7 +7,13 @@ from dataclasses import dataclass, field
 from html import escape
 
 # Okabe and Ito's colours, which the colour-blind can tell apart; one of each pair for light pages, one for dark.
-COLOURS = [("#0072b2", "#56b4e9"), ("#d55e00", "#ff9a4d"), ("#008f6b", "#2fd6a8"), ("#b0478c", "#e79ac8"), ("#7a6a00", "#f0e442")]
+COLOURS = [
+    ("#0072b2", "#56b4e9"),
+    ("#d55e00", "#ff9a4d"),
+    ("#008f6b", "#2fd6a8"),
+    ("#b0478c", "#e79ac8"),
+    ("#7a6a00", "#f0e442"),
+]
 
 WIDTH, HEIGHT = 720, 440
 LEFT, RIGHT, TOP, BOTTOM = 74, 22, 46, 58
@@ -160,8 +166,9 @@ def line_plot(title, x_label, y_label, series, levels=(), log_x=False, log_y=Fal
     left, right, top, bottom = LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM
     x = log_axis(xs, left, right) if log_x else linear_axis(xs, left, right, False, 8)
     y = log_axis(ys, bottom, top) if log_y else linear_axis(ys, bottom, top, y_from_zero, 6)
+    size = f'viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}"'
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img">',
         f"<title>{escape(title)}</title><style>{style()}</style>",
         f'<rect class="page" width="{WIDTH}" height="{HEIGHT}" rx="6"/>',
         f'<text class="title" x="{left}" y="28">{escape(title)}</text>',
