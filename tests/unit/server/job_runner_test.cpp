@@ -63,7 +63,7 @@ TEST_CASE("Job: one that is stopped leaves no sealed log") {
     steps.reconstruct = [](const Capture&, const ReconstructOptions&, ModelSink& sink, const ProgressFn&,
                            std::stop_token) {
         write_small_model(sink, 1);
-        return ReconstructResult{.curve = {}, .stopped = true};
+        return ReconstructResult{.curve = {}, .iterations = {}, .stopped = true};
     };
     CHECK(std::holds_alternative<JobStopped>(f.run(steps)));
     CHECK_FALSE(std::filesystem::exists(f.job.paths.sealed_log));
