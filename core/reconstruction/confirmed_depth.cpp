@@ -69,47 +69,4 @@ std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const Confi
     return confirmed;
 }
 
-std::vector<OrientedPoint> surface_points(const DepthMap& map) {
-    constexpr int radius = 2, fewest = 10;
-    constexpr double largest_jump_px = 4.0;  // of disparity, on one surface within the window
-    std::vector<OrientedPoint> points;
-    if (!(map.step > 0)) return points;
-    const BackProjection to_world(map);
-    // Of the parallelepiped of a ray and its changes from pixel to pixel, at depth one.
-    const double pixel_volume = 1.0 / std::abs(map.P.leftCols<3>().determinant());
-    const auto& known = map.inverse_depth;
-    for (int y = radius; y + radius < known.height; ++y)
-        for (int x = radius; x + radius < known.width; ++x) {
-            if (!(known(x, y) > 0)) continue;
-            // A plane of the world is linear in inverse depth: w = plane . (x, y, 1); here around (x, y), in steps.
-            Mat3 A = Mat3::Zero();
-            Vec3 b = Vec3::Zero();
-            int n = 0;
-            for (int dy = -radius; dy <= radius; ++dy)
-                for (int dx = -radius; dx <= radius; ++dx) {
-                    const float w = known(x + dx, y + dy);
-                    const double steps = (w - known(x, y)) / map.step;
-                    if (!(w > 0) || std::abs(steps) > largest_jump_px) continue;
-                    const Vec3 place(dx, dy, 1.0);
-                    A += place * place.transpose();
-                    b += steps * place;
-                    ++n;
-                }
-            if (n < fewest || std::abs(A.determinant()) < 1.0) continue;
-            const Vec3 fit = map.step * A.ldlt().solve(b);
-            const double inverse_depth = known(x, y) + fit.z();
-            if (!(inverse_depth > 0)) continue;
-            const Vec3 plane(fit.x(), fit.y(), inverse_depth - fit.x() * x - fit.y() * y);
-            // Seen from the camera's centre that plane of the world is q . X = 1: q points away from the camera, and
-            // its length is the inverse of the distance to the plane.
-            const Vec3 q = map.P.leftCols<3>().transpose() * plane;
-            OrientedPoint point;
-            point.position = to_world(x, y, inverse_depth);
-            point.normal = -q.normalized();
-            point.area = pixel_volume * q.norm() / std::pow(inverse_depth, 3.0);
-            points.push_back(point);
-        }
-    return points;
-}
-
 }  // namespace anyrate

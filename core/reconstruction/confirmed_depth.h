@@ -16,8 +16,4 @@ struct ConfirmOptions {
 /// depth which that view's own map has there. Everything else becomes unknown.
 std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options = {});
 
-/// The surface that a depth map shows: at every known pixel with enough known neighbours, the plane fitted to them
-/// through a window of 5 x 5 pixels. Normals face the camera. `area` is that of the pixel's footprint.
-std::vector<OrientedPoint> surface_points(const DepthMap& map);
-
 }  // namespace anyrate

@@ -5,10 +5,11 @@
 
 #include "core/mesh/topology.h"
 #include "core/reconstruction/confirmed_depth.h"
+#include "core/reconstruction/depth_votes.h"
 #include "core/reconstruction/iso_surface.h"
-#include "core/reconstruction/open_cavities.h"
 #include "core/reconstruction/plane_sweep.h"
 #include "core/reconstruction/poisson.h"
+#include "core/reconstruction/seen_through.h"
 #include "core/reconstruction/visual_hull.h"
 
 namespace anyrate {
@@ -23,30 +24,41 @@ double poisson_spacing(const VisualHull& hull) {
     return hull.cell * std::max(1.0, std::cbrt((nodes.array() + 16.0).prod() / most_nodes));
 }
 
+// The votes' lattice is twice as coarse as the hull: a cell is about a pixel of the depth maps.
+constexpr double vote_cells = 2.0;
+
+// How far a point of the hull, or of a guessed part, speaks for the surface around it.
+constexpr double reach_cells = 3.0;
+
 // Around a handle that noise of the masks makes it is a few cells; around one of the object that the images resolve,
 // more.
 constexpr double handle_loop_cells = 8.0;
 
 }  // namespace
 
-Mesh initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress) {
+InitialSurface initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress) {
     const auto report = [&](Stage stage, double fraction) {
         if (progress) progress({stage, fraction, 0, 0.0});
     };
     report(Stage::hull, 0.0);
     const VisualHull hull = visual_hull(capture);
     report(Stage::hull, 0.5);
-    const auto points = open_cavities(hull, confirm_depths(plane_sweep(images, hull)));
+    const auto maps = confirm_depths(plane_sweep(images, hull));
+    const auto points = without_seen_through(hull.points, maps);
+    const VoteField votes = depth_votes(hull.lower, hull.upper, maps, {.spacing = vote_cells * hull.cell});
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
-    const ScalarField field = poisson_field(points, {.spacing = spacing});
+    const ScalarField field = poisson_field(points, {.spacing = spacing}, votes);
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
-    Mesh clean = remove_small_handles(surface, handle_loop_cells * spacing);
+    InitialSurface initial;
+    initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing);
+    initial.guessed = GuessedSurface(guessed_points(initial.mesh, points, maps, {.reach = reach_cells * hull.cell}),
+                                     reach_cells * spacing);
     report(Stage::poisson, 1.0);
-    return clean;
+    return initial;
 }
 
 }  // namespace anyrate

@@ -1,15 +1,20 @@
 #pragma once
 #include "core/capture/capture.h"
 #include "core/mesh/mesh.h"
+#include "core/reconstruction/guessed_surface.h"
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/reconstruct.h"
 
 namespace anyrate {
 
+struct InitialSurface {
+    Mesh mesh;               ///< fine, still to be remeshed to the coarse count; world units
+    GuessedSurface guessed;  ///< its parts that no image shows
+};
+
 /// Step 1 of the method: visual hull, its lids over cavities opened by a plane sweep, Poisson, iso-surface, largest
-/// piece without tiny handles. World units; a fine mesh still to be remeshed to the coarse count. `progress` hears of
-/// the stages hull and poisson.
+/// piece without tiny handles. `progress` hears of the stages hull and poisson.
 /// @param images  of the same capture
-Mesh initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress);
+InitialSurface initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress);
 
 }  // namespace anyrate

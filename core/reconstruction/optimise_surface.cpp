@@ -166,11 +166,17 @@ void slide(std::vector<Vec3>& vertices, std::span<const Triangle> triangles, con
     vertices = std::move(moved);
 }
 
-std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active) {
+bool has_guessed_corner(const Triangle& t, std::span<const char> is_guessed) {
+    return !is_guessed.empty() && std::ranges::any_of(t, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
+}
+
+std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active,
+                                       std::span<const Triangle> triangles, std::span<const char> is_guessed) {
     std::vector<std::int32_t> faces;
     for (std::int32_t v : active) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    std::erase_if(faces, [&](std::int32_t f) { return has_guessed_corner(triangles[at(f)], is_guessed); });
     return faces;
 }
 
@@ -178,15 +184,16 @@ std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const st
 
 bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
                       std::span<const Triangle> triangles, std::span<const std::int32_t> active,
-                      const OptimiseOptions& options, const std::stop_token& stop) {
+                      std::span<const char> is_guessed, const OptimiseOptions& options, const std::stop_token& stop) {
     const OneRings rings({vertices, triangles});
     std::vector<std::int32_t> all;
     if (active.empty()) {
         all.resize(vertices.size());
         std::iota(all.begin(), all.end(), 0);
+        std::erase_if(all, [&](std::int32_t v) { return !is_guessed.empty() && is_guessed[at(v)] != 0; });
         active = all;
     }
-    const std::vector<std::int32_t> faces = faces_around(rings, active);
+    const std::vector<std::int32_t> faces = faces_around(rings, active, triangles, is_guessed);
     bool moved = false;
     double damping = first_damping;
     for (int r = 0; r < options.rounds && !stop.stop_requested(); ++r) {

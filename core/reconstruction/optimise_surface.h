@@ -28,10 +28,12 @@ struct OptimiseOptions {
 /// lengths are pixels or local edges, so there is no time step to choose. Differs from the paper's explicit flow
 /// (flow.h) in the step only: the same Eqs. 5-10 are minimised, with the derivative taken analytically instead of by
 /// Eq. 11, which remains its test.
-/// @param active  vertices that may move, ascending; empty is all
+/// @param active      vertices that may move, ascending; empty is all
+/// @param is_guessed  one flag a vertex, or empty: what the images show at a face with a flagged corner is not the face
 /// @return whether anything moved
 bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
                       std::span<const Triangle> triangles, std::span<const std::int32_t> active,
-                      const OptimiseOptions& options, const std::stop_token& stop = {});
+                      std::span<const char> is_guessed, const OptimiseOptions& options,
+                      const std::stop_token& stop = {});
 
 }  // namespace anyrate

@@ -8,8 +8,8 @@
 namespace anyrate {
 
 struct SweepOptions {
-    int most_object_px = 12'000;  ///< that a view shows on average; decides the level of the pyramid
-    int window_radius_px = 2;     ///< the window compared has 2 r + 1 pixels a side
+    int most_object_px = 40'000;  ///< that a view shows on average; decides the level of the pyramid
+    int window_radius_px = 1;     ///< the window compared has 2 r + 1 pixels a side
     int n_neighbours = 6;         ///< views that one view is compared with, at most
     double min_angle_deg = 8.0;   ///< between two viewing directions: below, depth is a guess
     double max_angle_deg = 45.0;  ///< above, the same surface no longer looks the same

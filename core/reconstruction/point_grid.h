@@ -21,18 +21,6 @@ public:
         std::sort(places_.begin(), places_.end());
     }
 
-    /// Calls visit(points in the cube) for every cube that has any.
-    template <class Visit>
-    void for_each_cube(const Visit& visit) const {
-        std::vector<OrientedPoint> in_cube;
-        for (std::size_t i = 0; i < places_.size(); ++i) {
-            in_cube.push_back(points_[places_[i].second]);
-            if (i + 1 < places_.size() && places_[i + 1].first == places_[i].first) continue;
-            visit(in_cube);
-            in_cube.clear();
-        }
-    }
-
     /// Calls visit(other) for the points no further away than an edge whose normals lie within 90 degrees of this one's
     /// (so that a thin wall's other side does not count), until it returns false.
     template <class Visit>

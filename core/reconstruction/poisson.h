@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "core/reconstruction/depth_votes.h"
 #include "core/reconstruction/visual_hull.h"
 
 namespace anyrate {
@@ -18,6 +19,7 @@ struct ScalarField {
 struct PoissonOptions {
     double spacing = 0.0;    ///< world units
     double screening = 4.0;  ///< weight of the points' own positions against the smoothness of the field
+    double vote = 0.05;      ///< weight of one vote of a view on a node, likewise
     int margin = 4;          ///< empty cells kept around the points, at least 2
 };
 
@@ -25,9 +27,12 @@ struct PoissonOptions {
 /// so that its zero set passes through the points, and mapped by the inverse of the smoothing kernel's step: near the
 /// surface the field is the distance in spacings, so that linear interpolation finds the surface; it ends at -1 inside
 /// and +1 outside. Positive on the grid's border. The points should be no further apart than the spacing where the
-/// surface is to follow them; gaps are closed smoothly. Source: Kazhdan, Bolitho, Hoppe 2006; screening after Kazhdan
-/// and Hoppe 2013.
+/// surface is to follow them; gaps are closed smoothly, and away from what the votes call outside. Source: Kazhdan,
+/// Bolitho, Hoppe 2006; screening after Kazhdan and Hoppe 2013; the votes are the data term of volumetric range fusion
+/// (see depth_votes.h) with the same smoothness.
+/// @param votes  on the nodes of a lattice of its own, or empty
 /// @throws InputError if `points` is empty, or spans more than 2^28 nodes at this spacing
-ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options);
+ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options,
+                          const VoteField& votes = {});
 
 }  // namespace anyrate

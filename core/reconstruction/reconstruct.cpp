@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/mesh/decimate.h"
 #include "core/mesh/remesh.h"
 #include "core/reconstruction/flow.h"
 #include "core/reconstruction/initial_mesh.h"
@@ -15,6 +16,7 @@ namespace anyrate {
 namespace {
 
 constexpr int coarsest_level = 3;     ///< of the pyramid, where the coarse mesh starts to move
+constexpr int fitting_density = 3;    ///< coarse counts of vertices in the mesh that the coarse one is simplified from
 constexpr double grid_margin = 0.04;  ///< of the largest extent, kept free on each side for vertices that move outward
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
@@ -64,16 +66,31 @@ BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
 }
 
 /// Step 2 from the coarsest image level to the photographs themselves.
-void optimise_coarse_to_fine(PhotoBackend& backend, Silhouettes& silhouettes, Mesh& mesh,
+void optimise_coarse_to_fine(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
                              const std::function<void(double)>& progress, const std::stop_token& stop) {
+    const std::vector<char> is_guessed = guessed.vertices(mesh);
     const int first = std::min(coarsest_level, backend.n_levels() - 1);
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
         options.level = level;
         options.rounds = level == 0 ? 5 : 4;
-        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, options, stop);
+        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, is_guessed, options, stop);
         progress(1.0 - static_cast<double>(level) / (first + 1));
     }
+}
+
+/// The base of the log: the optimised surface simplified to the coarse count, so that its vertices stand where the
+/// surface bends, and optimised once more. At equal edges the same count measures half as much again (nefertiti at
+/// 2,500 vertices: 0.041 % of the diagonal against 0.030 %).
+Mesh fit_base(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, const Mesh& optimised,
+              int n_vertices, const std::stop_token& stop) {
+    Mesh base = decimate(optimised, n_vertices);
+    if (base.n_vertices() > n_vertices) base = remesh_isotropic(optimised, {.n_vertices = n_vertices});
+    OptimiseOptions options;
+    options.rounds = 4;
+    options.tangential = 0;  // which would even the edges out again
+    optimise_surface(backend, silhouettes, base.vertices, base.triangles, {}, guessed.vertices(base), options, stop);
+    return base;
 }
 
 }  // namespace
@@ -103,11 +120,11 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
 
     // Step 1: hull, Poisson, remesh.
     const PhotoImages images = make_photo_images(capture);
-    const Mesh fine = initial_surface(capture, images, tell);
+    const InitialSurface initial = initial_surface(capture, images, tell);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
-    Mesh mesh = remesh_isotropic(fine, {.n_vertices = n_base});
+    Mesh mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : fitting_density * n_base});
 
     // Step 2: mesh optimisation at a fixed rate.
     Silhouettes silhouettes(capture);
@@ -128,11 +145,12 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
             stop);
     } else {
         optimise_coarse_to_fine(
-            *sampler, silhouettes, mesh,
+            *sampler, silhouettes, initial.guessed, mesh,
             [&](double part) {
                 tell({Stage::optimise, part, mesh.n_vertices(), 0});
             },
             stop);
+        mesh = fit_base(*sampler, silhouettes, initial.guessed, mesh, n_base, stop);
     }
 
     // From here on only the decoded integer state counts.
@@ -148,7 +166,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     // Step 3: progressive refinement.
     if (fixed_rate) refinement.n_vertices = state.n_vertices();
     result.curve = refine(
-        state, *backend, silhouettes, images, refinement, sink,
+        state, *backend, silhouettes, images, initial.guessed, refinement, sink,
         [&](const CurvePoint& point) {
             const double part = static_cast<double>(point.n_vertices - options.n_coarse) /
                                 std::max(1, options.n_vertices - options.n_coarse);

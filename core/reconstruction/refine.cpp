@@ -32,19 +32,26 @@ double expected_gain(const TriangleTerms& terms) {
     return gain;
 }
 
-std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms> terms, const RefineOptions& options) {
+std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms> terms,
+                                 std::span<const char> is_guessed, const RefineOptions& options) {
     const std::size_t n = mesh.triangles.size();
     std::vector<double> areas(n), scores(n);
+    const auto is_guess = [&](std::size_t f) {
+        return std::ranges::any_of(mesh.triangles[f], [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
+    };
     for (std::size_t f = 0; f < n; ++f) {
         areas[f] = face_area(mesh, mesh.triangles[f]);
-        scores[f] = options.by_area ? 0.0 : expected_gain(terms[f]);
+        scores[f] = options.by_area || is_guess(f) ? 0.0 : expected_gain(terms[f]);
     }
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
-    // Area breaks the ties among faces without evidence, so that the budget is met on a plain or unseen surface too.
+    // Area breaks the ties among faces without evidence, so that the budget is met on a plain or unseen surface too;
+    // a guess, of which nothing is known, comes last.
     const double per_area = mean_score > 0 ? 1e-3 * mean_score / mean_area : 1.0;
-    for (std::size_t f = 0; f < n; ++f)
-        scores[f] = areas[f] < options.smallest_area * mean_area ? 0.0 : scores[f] + per_area * areas[f];
+    for (std::size_t f = 0; f < n; ++f) {
+        const double tie = per_area * areas[f] * (is_guess(f) ? 1e-3 : 1.0);
+        scores[f] = areas[f] < options.smallest_area * mean_area ? 0.0 : scores[f] + tie;
+    }
     return scores;
 }
 
@@ -56,7 +63,8 @@ struct Targets {
 
 /// Splits the batch on a copy of the state, moves the nine vertices of each split to where the images agree most.
 Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, PhotoBackend& backend,
-                       Silhouettes& silhouettes, const RefineOptions& options, const std::stop_token& stop) {
+                       Silhouettes& silhouettes, const GuessedSurface& guessed, const RefineOptions& options,
+                       const std::stop_token& stop) {
     RefinableMesh trial = state;
     std::vector<std::int32_t> first_new(batch.size(), -1), active;
     for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -71,12 +79,15 @@ Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t>
     active.erase(std::unique(active.begin(), active.end()), active.end());
 
     Mesh mesh = trial.to_mesh();
+    const std::vector<char> is_guessed = guessed.vertices(mesh);
+    std::erase_if(active, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
     OptimiseOptions optimise;
     optimise.rounds = 2;
     optimise.steps_per_round = 3;
     optimise.tangential = 0;  // the operation smooths tangentially by itself
     optimise.samples_per_px = options.samples_per_px;
-    optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, optimise, stop);
+    if (!active.empty())
+        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
 
     Targets targets;
     targets.old_vertices.assign(mesh.vertices.begin(), mesh.vertices.begin() + state.n_vertices());
@@ -147,16 +158,17 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 }
 
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
-                               const PhotoImages& images, const RefineOptions& options, ModelSink& sink,
-                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop) {
+                               const PhotoImages& images, const GuessedSurface& guessed, const RefineOptions& options,
+                               ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
+                               const std::stop_token& stop) {
     StateDistortion now = measure_state(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
         const Mesh mesh = state.to_mesh();
-        const std::vector<double> scores = split_scores(mesh, now.terms, options);
+        const std::vector<double> scores = split_scores(mesh, now.terms, guessed.vertices(mesh), options);
         const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options));
         if (batch.empty()) break;
-        const Targets targets = optimise_batch(state, batch, backend, silhouettes, options, stop);
+        const Targets targets = optimise_batch(state, batch, backend, silhouettes, guessed, options, stop);
         const std::int32_t n_before = state.n_vertices();
         const std::vector<SplitRecord> records = emit_batch(state, batch, targets, options.dead_zone);
         if (records.empty()) break;

@@ -3,6 +3,7 @@
 #include <stop_token>
 
 #include "core/progressive/model_sink.h"
+#include "core/reconstruction/guessed_surface.h"
 #include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/reconstruct.h"
 #include "core/reconstruction/silhouette_term.h"
@@ -32,7 +33,8 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 /// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
 /// @return the curve, the state's own point first
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
-                               const PhotoImages& images, const RefineOptions& options, ModelSink& sink,
-                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop);
+                               const PhotoImages& images, const GuessedSurface& guessed, const RefineOptions& options,
+                               ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
+                               const std::stop_token& stop);
 
 }  // namespace anyrate

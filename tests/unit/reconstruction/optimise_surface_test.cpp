@@ -19,7 +19,7 @@ struct Scene {
     std::unique_ptr<PhotoBackend> backend = make_cpu_backend(images);
 
     void optimise(Mesh& mesh, const OptimiseOptions& options = {}, std::span<const std::int32_t> active = {}) {
-        optimise_surface(*backend, silhouettes, mesh.vertices, mesh.triangles, active, options);
+        optimise_surface(*backend, silhouettes, mesh.vertices, mesh.triangles, active, {}, options);
     }
 };
 

@@ -141,3 +141,27 @@ TEST_CASE("Poisson: no points, or a grid beyond all bounds, are refused") {
     CHECK_THROWS_AS(poisson_field({}, {.spacing = 0.1}), InputError);
     CHECK_THROWS_AS(poisson_field(sphere_points(100), {.spacing = 1e-4}), InputError);
 }
+
+TEST_CASE("Poisson: the surface keeps out of what the votes call outside") {
+    const double spacing = 0.1;
+    // A ball without its cap above z = 0.5, where three views see into a pit down to z = 0.
+    std::vector<OrientedPoint> points = sphere_points_for(spacing);
+    std::erase_if(points, [](const OrientedPoint& point) { return point.position.z() > 0.5; });
+    VoteField votes{25, 25, 25, Vec3::Constant(-1.2), 0.1, {}, {}};
+    for (int k = 0; k < votes.nz; ++k)
+        for (int j = 0; j < votes.ny; ++j)
+            for (int i = 0; i < votes.nx; ++i) {
+                const Vec3 node = votes.origin + votes.spacing * Vec3(i, j, k);
+                const bool is_free = node.z() > 0 && node.head<2>().norm() < 0.5;
+                votes.mean.push_back(is_free ? 1.0f : 0.0f);
+                votes.weight.push_back(is_free ? 3.0f : 0.0f);
+            }
+    const auto height_on_axis = [&](const VoteField& field) {
+        double z = -1;
+        for (const Vec3& v : iso_surface(poisson_field(points, {.spacing = spacing}, field)).vertices)
+            if (v.head<2>().norm() < 0.15) z = std::max(z, v.z());
+        return z;
+    };
+    CHECK(height_on_axis({}) > 0.4);
+    CHECK(height_on_axis(votes) < 0.1);
+}

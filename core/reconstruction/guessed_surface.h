@@ -1,0 +1,43 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/reconstruction/plane_sweep.h"
+#include "core/reconstruction/point_grid.h"
+#include "core/reconstruction/surface_view.h"
+
+namespace anyrate {
+
+/// The parts of a closed surface that no image shows, such as the floor that closes a narrow-necked pot where no view
+/// looks. What the photographs have there is the surface behind, so a guess must not follow them, nor be refined by
+/// them; it stays where it is.
+class GuessedSurface {
+public:
+    /// Nothing is a guess.
+    GuessedSurface() = default;
+
+    /// @param points  of the guessed parts, as dense as `reach` at least
+    /// @param reach   of a point, world units
+    GuessedSurface(std::vector<OrientedPoint> points, double reach);
+
+    /// @return one flag a vertex: 1 if a point of a guessed part that faces the same way is near
+    std::vector<char> vertices(const SurfaceView& surface) const;
+
+private:
+    std::vector<OrientedPoint> points_;
+    std::unique_ptr<PointGrid> grid_;  ///< of points_, whose buffer stays where it is when this is moved
+};
+
+struct EvidenceOptions {
+    double reach = 0;         ///< of a silhouette point, world units
+    double tolerance_px = 3;  ///< of disparity, within which a depth map shows a point
+    int n_views = 1;          ///< that must show it
+};
+
+/// The vertices of `surface` that neither a silhouette nor the depth maps show.
+/// @param silhouette_points  of the visual hull, without those that views see through
+std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const OrientedPoint> silhouette_points,
+                                          std::span<const DepthMap> maps, const EvidenceOptions& options);
+
+}  // namespace anyrate

@@ -1,0 +1,61 @@
+#include "core/reconstruction/initial_mesh.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "core/mesh/topology.h"
+#include "core/simulation/simulate.h"
+
+using namespace anyrate;
+
+namespace {
+
+// The surface that a profile of (radius, height) makes by turning around the z axis; its ends lie on the axis. Outward
+// if the profile runs from the bottom along the outside to the top.
+Mesh turned(const std::vector<Vec2>& profile, int n_around) {
+    Mesh mesh;
+    mesh.vertices.push_back({0, 0, profile.front().y()});
+    mesh.vertices.push_back({0, 0, profile.back().y()});
+    const int n_rings = static_cast<int>(profile.size()) - 2;
+    for (int r = 1; r <= n_rings; ++r)
+        for (int i = 0; i < n_around; ++i) {
+            const double angle = 2 * std::numbers::pi * i / n_around;
+            const Vec2& p = profile[static_cast<std::size_t>(r)];
+            mesh.vertices.push_back({p.x() * std::cos(angle), p.x() * std::sin(angle), p.y()});
+        }
+    const auto vertex = [&](int ring, int i) { return 2 + ring * n_around + i % n_around; };
+    for (int i = 0; i < n_around; ++i) {
+        mesh.triangles.push_back({0, vertex(0, i + 1), vertex(0, i)});
+        mesh.triangles.push_back({1, vertex(n_rings - 1, i), vertex(n_rings - 1, i + 1)});
+        for (int r = 0; r + 1 < n_rings; ++r) {
+            mesh.triangles.push_back({vertex(r, i), vertex(r, i + 1), vertex(r + 1, i)});
+            mesh.triangles.push_back({vertex(r, i + 1), vertex(r + 1, i + 1), vertex(r + 1, i)});
+        }
+    }
+    return mesh;
+}
+
+double volume(const Mesh& mesh) {
+    double sum = 0;
+    for (const Triangle& t : mesh.triangles) {
+        const auto corner = [&](std::size_t k) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+        sum += corner(0).dot(corner(1).cross(corner(2))) / 6;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is open") {
+    const Mesh dish = turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0.85, 0.6}, {0.5, 0.15}, {0, 0.15}}, 64);
+    const double filled = volume(turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0, 0.6}}, 64));
+    const Simulation scene = simulate_mesh(dish, {.width = 320, .height = 240});
+    const InitialSurface initial = initial_surface(scene.capture, make_photo_images(scene.capture), {});
+    REQUIRE(measure_topology(initial.mesh).is_closed_manifold());
+    const double missing = filled - volume(dish);
+    CHECK(volume(initial.mesh) == doctest::Approx(volume(dish)).epsilon(0.15));
+    CHECK(volume(initial.mesh) < filled - 0.7 * missing);
+}
