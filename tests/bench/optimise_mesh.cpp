@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
         anyrate::Silhouettes silhouettes(capture);
         const auto backend = anyrate::make_cpu_backend(images);
         const double before = anyrate::measure_surface(*backend, mesh);
-        anyrate::optimise_surface(*backend, silhouettes, mesh.vertices, mesh.triangles, {}, {.rounds = 5});
+        anyrate::optimise_surface(*backend, silhouettes, mesh.vertices, mesh.triangles, {}, {}, {.rounds = 5});
         anyrate::write_mesh(mesh, output);
         return {{"vertices", mesh.n_vertices()},
                 {"psi_before", before},
