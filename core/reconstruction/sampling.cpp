@@ -10,6 +10,15 @@
 namespace anyrate {
 namespace {
 
+/// Value at a sample of the hat function that the middle of edge (a, a + 1) gets by a 1-to-4 split.
+double middle_hat(const LatticeSample& s, std::size_t a) {
+    const double first = s.b[a], second = s.b[(a + 1) % 3], opposite = s.b[(a + 2) % 3];
+    if (opposite >= 0.5) return 0.0;
+    if (first >= 0.5) return 2 * second;
+    if (second >= 0.5) return 2 * first;
+    return 1 - 2 * opposite;
+}
+
 std::vector<LatticeSample> make_lattice(int M) {
     std::vector<LatticeSample> samples;
     samples.reserve(static_cast<std::size_t>((M + 1) * (M + 2) / 2));
@@ -18,12 +27,16 @@ std::vector<LatticeSample> make_lattice(int M) {
             const double m = static_cast<double>(i) / M;
             const double n = i == 0 ? 0.0 : static_cast<double>(j) / i;
             // Nghiem et al., Eq. 6.
-            LatticeSample s{{1 - m, m * (1 - n), m * n}, 1.0, -1};
+            LatticeSample s{{1 - m, m * (1 - n), m * n}, 1.0, -1, {}, {}};
             const bool on_edge = j == 0 || j == i || i == M;
             if (i == 0) s.corner = 0;
             if (i == M && j == 0) s.corner = 1;
             if (i == M && j == M) s.corner = 2;
             s.weight = s.corner >= 0 ? 0.0 : on_edge ? 0.5 : 1.0;
+            for (std::size_t a = 0; a < 3; ++a) {
+                s.b_single[a] = static_cast<float>(s.b[a]);
+                s.middle[a] = static_cast<float>(middle_hat(s, a));
+            }
             samples.push_back(s);
         }
     return samples;

@@ -9,8 +9,10 @@ namespace anyrate {
 /// A sample of a triangle: p = b[0] v1 + b[1] v2 + b[2] v3, and what it counts in Eq. 8.
 struct LatticeSample {
     double b[3];
-    double weight;  ///< omega: 1 inside, 1/2 on an edge; at a corner 0 here, it is 1/valence there
-    int corner;     ///< 0, 1, 2 if the sample is that corner, else -1
+    double weight;      ///< omega: 1 inside, 1/2 on an edge; at a corner 0 here, it is 1/valence there
+    int corner;         ///< 0, 1, 2 if the sample is that corner, else -1
+    float b_single[3];  ///< b in single precision
+    float middle[3];    ///< hat functions of the middles of the edges 01, 12, 20, as a 1-to-4 split makes them
 };
 
 /// The regular lattice of Nghiem et al., Eq. 6: p = v1 (1 - m) + v2 m (1 - n) + v3 m n with m = i/M and n = j/i, so row

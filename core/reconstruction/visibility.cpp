@@ -82,7 +82,7 @@ struct Visibility::FaceSight {
 };
 
 Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options)
-    : images_(&images), options_(options), level_(depth_level(images)) {
+    : images_(&images), options_(options), level_(depth_level(images)), scale_(std::ldexp(1.0F, -level_)) {
     depth_.resize(images.views.size());
     parallel_for(
         depth_.size(), [&](std::size_t i) { depth_[i] = render_depth(images.views[i].levels[at(level_)], surface); },
@@ -173,13 +173,15 @@ std::vector<Visibility::FaceSight> Visibility::look(const SurfaceView& surface, 
     return sights;
 }
 
-bool Visibility::is_visible(std::int32_t face, std::int32_t view, const Vec3& x) const {
-    const Vec2 q = x.hnormalized() * std::ldexp(1.0, -level_);
+bool Visibility::is_visible(std::int32_t face, std::int32_t view, float x, float y, float z) const {
     const Image<float>& depth = depth_[at(view)];
-    if (!(q.x() >= 0 && q.y() >= 0 && q.x() < depth.width - 1 && q.y() < depth.height - 1)) return false;
-    const int x0 = static_cast<int>(q.x()), y0 = static_cast<int>(q.y());
+    x *= scale_;
+    y *= scale_;
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(depth.width - 1) && y < static_cast<float>(depth.height - 1)))
+        return false;
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const float nearest = std::min({depth(x0, y0), depth(x0 + 1, y0), depth(x0, y0 + 1), depth(x0 + 1, y0 + 1)});
-    return x.z() <= nearest * (1.0F + slope_[at(face)]);
+    return z <= nearest * (1.0F + slope_[at(face)]);
 }
 
 }  // namespace anyrate

@@ -35,8 +35,8 @@ public:
     double mean_area_px(std::int32_t face) const { return mean_area_px_[static_cast<std::size_t>(face)]; }
     /// World size of a pixel at the face, from the nearest view (seen or not).
     double pixel_size(std::int32_t face) const { return pixel_size_[static_cast<std::size_t>(face)]; }
-    /// Whether a point of the face, at homogeneous level-0 pixel `x` (= P [p; 1]), is in front of everything else.
-    bool is_visible(std::int32_t face, std::int32_t view, const Vec3& x) const;
+    /// Whether a point of the face, at pixel (x, y) of level 0 and depth z, is in front of everything else.
+    bool is_visible(std::int32_t face, std::int32_t view, float x, float y, float z) const;
 
 private:
     struct FaceSight;
@@ -45,6 +45,7 @@ private:
     const PhotoImages* images_;
     VisibilityOptions options_;
     int level_ = 0;                    ///< of the pyramid, at which depth is rendered
+    float scale_ = 1;                  ///< of its pixels
     std::vector<Image<float>> depth_;  ///< per view; infinity where there is no surface
     std::vector<float> slope_;         ///< per face: depth tolerance as a part of depth, the largest over its views
     std::vector<std::size_t> begin_;
