@@ -7,8 +7,6 @@
 #include "core/parallel.h"
 #include "core/reconstruction/colour_patch.h"
 #include "core/reconstruction/photo_backend.h"
-#include "core/reconstruction/colour_patch.h"
-#include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/visibility.h"
 
 namespace anyrate {

@@ -10,8 +10,8 @@
 namespace anyrate {
 
 struct VisibilityOptions {
-    double min_cos = 0.2;       ///< views flatter than this to the face do not count: their footprint is a smear
-    double tolerance_px = 2.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
+    double min_cos = 0.3;       ///< views flatter than this to the face do not count: their footprint is a smear
+    double tolerance_px = 1.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
 };
 
 /// One view that sees a face.
