@@ -16,6 +16,9 @@ namespace {
 /// a later batch, and a needle's erratic normal cannot throw a spike.
 constexpr double largest_scalar = 40;
 
+constexpr int most_attempts = 3;  ///< to make a batch lower Psi by leaving splits out
+constexpr int most_refusals = 4;  ///< batches refused in a row before one is taken as it is: the count has to be met
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 double face_area(const Mesh& mesh, const Triangle& t) {
@@ -33,7 +36,8 @@ double expected_gain(const TriangleTerms& terms) {
 }
 
 std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms> terms,
-                                 std::span<const char> is_guessed, const RefineOptions& options) {
+                                 std::span<const char> is_guessed, std::span<const char> is_rejected,
+                                 const RefineOptions& options) {
     const std::size_t n = mesh.triangles.size();
     std::vector<double> areas(n), scores(n);
     const auto is_guess = [&](std::size_t f) {
@@ -41,7 +45,7 @@ std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms
     };
     for (std::size_t f = 0; f < n; ++f) {
         areas[f] = face_area(mesh, mesh.triangles[f]);
-        scores[f] = options.by_area || is_guess(f) ? 0.0 : expected_gain(terms[f]);
+        scores[f] = options.by_area || is_guess(f) || is_rejected[f] != 0 ? 0.0 : expected_gain(terms[f]);
     }
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
@@ -82,7 +86,7 @@ Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t>
     const std::vector<char> is_guessed = guessed.vertices(mesh);
     std::erase_if(active, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
     OptimiseOptions optimise;
-    optimise.rounds = 2;
+    optimise.rounds = 1;  // of visibility: the surface hardly moves
     optimise.steps_per_round = 3;
     optimise.tangential = 0;  // the operation smooths tangentially by itself
     optimise.samples_per_px = options.samples_per_px;
@@ -99,13 +103,14 @@ Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t>
 }
 
 /// Splits the batch for good, each vertex going as near to its target as its scalar allows.
+/// @param left_out  faces of the batch that are not split after all, ascending
 std::vector<SplitRecord> emit_batch(RefinableMesh& state, std::span<const std::int32_t> batch, const Targets& targets,
-                                    double dead_zone) {
+                                    std::span<const std::int32_t> left_out, double dead_zone) {
     std::vector<SplitRecord> records;
     records.reserve(batch.size());
     const Grid grid = state.grid();
     for (std::size_t k = 0; k < batch.size(); ++k) {
-        if (!state.split_site(batch[k])) continue;
+        if (!state.split_site(batch[k]) || std::ranges::binary_search(left_out, batch[k])) continue;
         records.push_back(state.split(batch[k], [&](const ScalarSite& site) -> std::int32_t {
             const bool is_new = site.slot < 3;
             if (is_new && !targets.new_vertices[k]) return 0;
@@ -120,11 +125,82 @@ std::vector<SplitRecord> emit_batch(RefinableMesh& state, std::span<const std::i
     return records;
 }
 
+/// Mean of phi per sample over the faces around some vertices; nullopt where nothing is seen.
+std::optional<double> mean_phi_around(const OneRings& rings, std::span<const TriangleTerms> terms,
+                                      std::span<const std::int32_t> vertices) {
+    std::vector<std::int32_t> faces;
+    for (std::int32_t v : vertices) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    double phi = 0, n_samples = 0;
+    for (std::int32_t f : faces) {
+        phi += terms[at(f)].distortion.phi;
+        n_samples += terms[at(f)].distortion.n_samples;
+    }
+    if (n_samples == 0) return std::nullopt;
+    return phi / n_samples;
+}
+
+/// A decoded state, what led to it and what the images say of it.
+struct Step {
+    RefinableMesh state;
+    std::vector<SplitRecord> records;
+    StateDistortion distortion;
+};
+
+/// The splits of a step around which the images agree less than before.
+std::vector<std::int32_t> harmful_splits(const RefinableMesh& state, const StateDistortion& before, const Step& step) {
+    const Mesh old_mesh = state.to_mesh(), new_mesh = step.state.to_mesh();
+    const OneRings old_rings(old_mesh), new_rings(new_mesh);
+    std::vector<std::int32_t> harmful;
+    std::int32_t first_new = state.n_vertices();
+    for (const SplitRecord& record : step.records) {
+        const auto site = state.split_site(record.face);
+        std::vector<std::int32_t> nine{first_new, first_new + 1, first_new + 2};
+        first_new += 3;
+        // An earlier split of the batch turned the face: its surroundings before are not known.
+        if (!site) continue;
+        const auto was = mean_phi_around(old_rings, before.terms, *site);
+        nine.insert(nine.end(), site->begin(), site->end());
+        const auto is = mean_phi_around(new_rings, step.distortion.terms, nine);
+        if (was && is && *is > *was) harmful.push_back(record.face);
+    }
+    return harmful;
+}
+
 int batch_size(int n_vertices, const RefineOptions& options) {
     const int wanted = (options.n_vertices - n_vertices) / 3;
     const int grown = std::max(1, static_cast<int>(std::lround(options.growth * n_vertices / 3)));
     // A last crumb joins its predecessor.
     return wanted < grown + grown / 3 ? wanted : grown;
+}
+
+/// Emits the batch on a copy of the state, without the faces that are left out.
+Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, const Targets& targets,
+              std::span<const std::int32_t> left_out, PhotoBackend& backend, const RefineOptions& options) {
+    Step step{state, {}, {}};
+    step.records = emit_batch(step.state, batch, targets, left_out, options.dead_zone);
+    step.distortion = measure_state(backend, step.state, options.samples_per_px);
+    return step;
+}
+
+/// The batch as far as it lowers Psi: while it does not, the splits that did harm where they are go.
+/// @param is_rejected  learns of those
+/// @return nullopt if no part of it lowers Psi
+std::optional<Step> take_step(const RefinableMesh& state, const StateDistortion& now,
+                              std::span<const std::int32_t> batch, const Targets& targets, PhotoBackend& backend,
+                              const RefineOptions& options, std::vector<char>& is_rejected) {
+    std::vector<std::int32_t> left_out;
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+        Step step = try_step(state, batch, targets, left_out, backend, options);
+        if (options.by_area || step.records.empty() || step.distortion.point.mean < now.point.mean) return step;
+        const std::vector<std::int32_t> harmful = harmful_splits(state, now, step);
+        if (harmful.empty()) break;
+        for (std::int32_t f : harmful) is_rejected[at(f)] = 1;
+        left_out.insert(left_out.end(), harmful.begin(), harmful.end());
+        std::sort(left_out.begin(), left_out.end());
+    }
+    return std::nullopt;
 }
 
 }  // namespace
@@ -163,17 +239,23 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
                                const std::stop_token& stop) {
     StateDistortion now = measure_state(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
-    while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
+    std::vector<char> is_rejected;  // faces whose split the images did not bear out
+    for (int n_refusals = 0; state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested();) {
         const Mesh mesh = state.to_mesh();
-        const std::vector<double> scores = split_scores(mesh, now.terms, guessed.vertices(mesh), options);
+        is_rejected.resize(mesh.triangles.size(), 0);
+        const std::vector<double> scores = split_scores(mesh, now.terms, guessed.vertices(mesh), is_rejected, options);
         const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options));
         if (batch.empty()) break;
         const Targets targets = optimise_batch(state, batch, backend, silhouettes, guessed, options, stop);
         const std::int32_t n_before = state.n_vertices();
-        const std::vector<SplitRecord> records = emit_batch(state, batch, targets, options.dead_zone);
-        if (records.empty()) break;
-
-        now = measure_state(backend, state, options.samples_per_px);
+        std::optional<Step> step = take_step(state, now, batch, targets, backend, options, is_rejected);
+        if (!step && ++n_refusals < most_refusals) continue;
+        if (!step) step = try_step(state, batch, targets, {}, backend, options);
+        n_refusals = 0;
+        if (step->records.empty()) break;
+        state = std::move(step->state);
+        now = std::move(step->distortion);
+        const std::vector<SplitRecord>& records = step->records;
         curve.push_back({state.n_vertices(), now.point.mean});
         std::vector<std::int32_t> added(static_cast<std::size_t>(state.n_vertices() - n_before));
         std::iota(added.begin(), added.end(), n_before);

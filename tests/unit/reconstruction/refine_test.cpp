@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -129,6 +130,23 @@ TEST_CASE("Reconstruct: Psi at the end is below that of the coarse mesh and of p
     CHECK(refined.psi.back() < flowed.psi.back());
     CHECK(flowed.replayed->n_vertices() == doctest::Approx(small.n_vertices).epsilon(0.02));
     CHECK(flowed.records.empty());
+}
+
+TEST_CASE("Reconstruct: Psi falls at every batch, also where noise leaves little to gain") {
+    Capture noisy = capture();
+    std::uint32_t random = 1;  // a linear congruential generator, Numerical Recipes' constants
+    for (View& view : noisy.views)
+        for (Rgb8& pixel : view.image.pixels) {
+            random = 1664525U * random + 1013904223U;
+            const auto disturbed = [&](std::uint8_t c, int shift) {
+                return static_cast<std::uint8_t>(std::clamp(c + static_cast<int>((random >> shift) % 41) - 20, 0, 255));
+            };
+            pixel = {disturbed(pixel.r, 8), disturbed(pixel.g, 14), disturbed(pixel.b, 20)};
+        }
+    Recorder recorder;
+    reconstruct(noisy, small, recorder);
+    REQUIRE(recorder.psi.size() > 3);
+    for (std::size_t i = 1; i < recorder.psi.size(); ++i) CHECK(recorder.psi[i] < recorder.psi[i - 1]);
 }
 
 TEST_CASE("Reconstruct: one and two threads write the same records") {
