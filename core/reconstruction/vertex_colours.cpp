@@ -77,17 +77,22 @@ std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& s
     const std::vector<Vec3> normals = vertex_normals(surface, rings);
     const Visibility visibility(images, surface);
     std::vector<std::optional<Colour>> colours(surface.vertices.size());
-    parallel_for(colours.size(), [&](std::size_t v) {
-        colours[v] = seen_colour(images, visibility, surface, rings, normals[v], static_cast<std::int32_t>(v));
-    });
-    spread(rings, colours);
-
-    std::vector<std::int32_t> all;
-    if (vertices.empty()) {
-        all.resize(colours.size());
-        std::iota(all.begin(), all.end(), 0);
-        vertices = all;
+    std::vector<std::int32_t> all(colours.size());
+    std::iota(all.begin(), all.end(), 0);
+    if (vertices.empty()) vertices = all;
+    const auto look_at = [&](std::span<const std::int32_t> some) {
+        parallel_for(some.size(), [&](std::size_t i) {
+            const std::int32_t v = some[i];
+            colours[at(v)] = seen_colour(images, visibility, surface, rings, normals[at(v)], v);
+        });
+    };
+    look_at(vertices);
+    // Only what no view sees needs the colours of the others.
+    if (std::ranges::any_of(vertices, [&](std::int32_t v) { return !colours[at(v)]; })) {
+        look_at(all);
+        spread(rings, colours);
     }
+
     std::vector<Rgb8> result;
     result.reserve(vertices.size());
     for (std::int32_t v : vertices) result.push_back(to_rgb8(colours[at(v)].value_or(Colour(128, 128, 128))));
