@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/mesh/decimate.h"
 #include "core/mesh/remesh.h"
+#include "core/reconstruction/confirm_guesses.h"
 #include "core/reconstruction/flow.h"
 #include "core/reconstruction/initial_mesh.h"
 #include "core/reconstruction/optimise_surface.h"
@@ -121,7 +122,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
 
     // Step 1: hull, Poisson, remesh.
     const PhotoImages images = make_photo_images(capture);
-    const InitialSurface initial = initial_surface(capture, images, tell);
+    InitialSurface initial = initial_surface(capture, images, tell);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
@@ -151,6 +152,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
                 tell({Stage::optimise, part, mesh.n_vertices(), 0});
             },
             stop);
+        initial.guessed = confirm_guesses(*sampler, silhouettes, initial.guessed, mesh, {}, stop);
         mesh = fit_base(*sampler, silhouettes, initial.guessed, mesh, n_base, stop);
     }
 
