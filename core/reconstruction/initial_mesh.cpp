@@ -27,7 +27,10 @@ double poisson_spacing(const VisualHull& hull) {
 // The votes' lattice is twice as coarse as the hull: a cell is about a pixel of the depth maps.
 constexpr double vote_cells = 2.0;
 
-// How far a point of the hull, or of a guessed part, speaks for the surface around it.
+// So near the hull the photographs decide: the optimiser gets there from it, as it does where nothing is seen through.
+constexpr double hull_reach_cells = 12.0;
+
+// How far a point of a guessed part speaks for the surface around it.
 constexpr double reach_cells = 3.0;
 
 // Around a handle that noise of the masks makes it is a few cells; around one of the object that the images resolve,
@@ -55,7 +58,7 @@ InitialSurface initial_surface(const Capture& capture, const PhotoImages& images
     const Mesh surface = largest_component(iso_surface(field));
     InitialSurface initial;
     initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing);
-    initial.guessed = GuessedSurface(guessed_points(initial.mesh, points, maps, {.reach = reach_cells * hull.cell}),
+    initial.guessed = GuessedSurface(guessed_points(initial.mesh, hull.points, maps, {.reach = hull_reach_cells * hull.cell}),
                                      reach_cells * spacing);
     report(Stage::poisson, 1.0);
     return initial;
