@@ -32,10 +32,8 @@ std::optional<double> usual_distortion(std::span<const std::optional<double>> G,
     return *middle;
 }
 
-}  // namespace
-
-GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
-                               Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
+GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
+                            const ConfirmGuessOptions& options, const std::stop_token& stop) {
     const std::vector<char> is_guessed = guessed.vertices(mesh);
     std::vector<std::int32_t> active;
     for (std::size_t v = 0; v < is_guessed.size(); ++v)
@@ -72,6 +70,16 @@ GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, 
     if (left.empty()) return {};
     const auto n_left = static_cast<double>(left.size());
     return GuessedSurface(std::move(left), reach / n_left);
+}
+
+}  // namespace
+
+GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
+                               Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
+    GuessedSurface left = confirm_once(backend, silhouettes, guessed, mesh, options, stop);
+    for (int pass = 1; pass < options.passes && !stop.stop_requested(); ++pass)
+        left = confirm_once(backend, silhouettes, left, mesh, options, stop);
+    return left;
 }
 
 }  // namespace anyrate

@@ -11,7 +11,8 @@ namespace anyrate {
 struct ConfirmGuessOptions {
     int coarsest_level = 1;  ///< of the pyramid, where the guessed vertices start to move
     int rounds = 3;          ///< a level
-    double agreement = 10;   ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
+    int passes = 3;          ///< what one confirms is ground that the next starts from
+    double agreement = 25;   ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
 };
 
 /// Depth maps miss steep and narrow places that the photographs do agree on. Lets the guessed vertices alone follow the

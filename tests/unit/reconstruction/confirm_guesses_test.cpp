@@ -1,0 +1,85 @@
+#include "core/reconstruction/confirm_guesses.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "core/reconstruction/optimise_surface.h"
+#include "core/simulation/parametric_meshes.h"
+#include "eq_test_scenes.h"
+
+using namespace anyrate;
+
+namespace {
+
+struct Scene {
+    Capture capture = painted_sphere(12, 160, wavy_paint);
+    PhotoImages images = make_photo_images(capture, 3);
+    Silhouettes silhouettes{capture};
+    std::unique_ptr<PhotoBackend> backend = make_cpu_backend(images);
+};
+
+bool is_in_patch(const Vec3& v) { return v.normalized().x() > 0.95; }
+
+// A unit sphere whose patch around +x stands at another radius.
+Mesh dented_sphere(double radius_of_patch) {
+    Mesh mesh = icosphere(3);
+    for (Vec3& v : mesh.vertices)
+        if (is_in_patch(v)) v *= radius_of_patch;
+    return mesh;
+}
+
+GuessedSurface patch_of(const Mesh& mesh) {
+    std::vector<OrientedPoint> points;
+    for (const Vec3& v : mesh.vertices)
+        if (is_in_patch(v)) points.push_back({v, v.normalized(), 0.0});
+    return GuessedSurface(points, 0.01);
+}
+
+int n_guessed(const GuessedSurface& guessed, const Mesh& mesh) {
+    int n = 0;
+    for (const char flag : guessed.vertices(mesh)) n += flag;
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("Confirm guesses: where the photographs agree the guess ends, on the surface they show") {
+    Scene scene;
+    Mesh mesh = dented_sphere(0.98);
+    const GuessedSurface guessed = patch_of(mesh);
+    REQUIRE(n_guessed(guessed, mesh) > 5);
+    const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, guessed, mesh);
+    CHECK(n_guessed(left, mesh) == 0);
+    for (const Vec3& v : mesh.vertices)
+        if (is_in_patch(v)) CHECK(std::abs(v.norm() - 1) < 0.01);
+}
+
+TEST_CASE("Confirm guesses: what the photographs never agree on stays where it was") {
+    Scene scene;
+    Mesh mesh = dented_sphere(0.6);  // deeper than the steps reach
+    const Mesh before = mesh;
+    const GuessedSurface guessed = patch_of(mesh);
+    const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, guessed, mesh);
+    CHECK(n_guessed(left, mesh) > 0);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (left.vertices(mesh)[v] != 0) CHECK(mesh.vertices[v] == before.vertices[v]);
+}
+
+TEST_CASE("Confirm guesses: nothing moves where nothing was guessed") {
+    Scene scene;
+    Mesh mesh = dented_sphere(0.98);
+    const Mesh before = mesh;
+    confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
+    CHECK(mesh.vertices == before.vertices);
+}
+
+TEST_CASE("Optimise: guessed vertices stay where they are") {
+    Scene scene;
+    Mesh mesh = dented_sphere(0.6);
+    const Mesh before = mesh;
+    const std::vector<char> is_guessed = patch_of(mesh).vertices(mesh);
+    optimise_surface(*scene.backend, scene.silhouettes, mesh.vertices, mesh.triangles, {}, is_guessed, {.rounds = 1});
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (is_guessed[v] != 0) CHECK(mesh.vertices[v] == before.vertices[v]);
+}
