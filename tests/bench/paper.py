@@ -182,7 +182,8 @@ def main():
             if options.out:
                 plot_rates(name, rates, options.out)
                 picture = options.out / f"meshes_{name}.png"
-                bench.tool("render_mesh", capture, *pictured, "--photo", "--view", options.view, "-o", picture)
+                look = ["--photo", "--view", options.view, "--height", 300]
+                bench.tool("render_mesh", capture, *pictured, *look, "-o", picture)
             if name in options.iterations_of:
                 fig7 = psi_against_iterations(bench, capture, name, options.iterations_at)
                 result["iterations"][name] = fig7
