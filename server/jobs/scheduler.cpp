@@ -3,7 +3,9 @@
 #include <signal.h>
 
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "server/jobs/worker_message.h"
@@ -23,11 +25,7 @@ constexpr const char* recovered_error = "the server stopped in the middle of eve
 /// One attempt: passes a worker's messages to the catalog until its output ends, and settles how it ended.
 class Scheduler::Attempt {
 public:
-    Attempt(Scheduler& scheduler, const ModelRecord& model)
-        : scheduler_(scheduler), model_(model), worker_(scheduler.command_(model)) {
-        const std::lock_guard lock(scheduler_.mutex_);
-        scheduler_.running_[model_.id] = worker_.pid();
-    }
+    Attempt(Scheduler& scheduler, const ModelRecord& model) : scheduler_(scheduler), model_(model) {}
     ~Attempt() {
         {
             const std::lock_guard lock(scheduler_.mutex_);
@@ -37,17 +35,30 @@ public:
     }
 
     void run() {
+        if (!start()) return;
         read_messages();
-        const std::string how = worker_.wait(std::chrono::seconds(2));
+        const std::string how = worker_->wait(std::chrono::seconds(2));
         settle(how);
         scheduler_.events_.notify(model_.id);
     }
 
 private:
+    /// @return whether there is a worker: a model withdrawn since its claim gets none. Under the lock of abandon(),
+    /// which comes after the withdrawal: either this sees the withdrawal or abandon() sees the worker.
+    bool start() {
+        const std::vector<std::string> command = scheduler_.command_(model_);
+        const std::lock_guard lock(scheduler_.mutex_);
+        const auto record = scheduler_.catalog_.find(model_.id);
+        if (!record || record->state != ModelState::running) return false;
+        worker_.emplace(command);
+        scheduler_.running_[model_.id] = worker_->pid();
+        return true;
+    }
+
     void read_messages() {
         std::string line;
         for (;;) {
-            const auto read = worker_.read_line(line, std::chrono::milliseconds(100));
+            const auto read = worker_->read_line(line, std::chrono::milliseconds(100));
             if (read == WorkerProcess::Read::end) return;
             if (read == WorkerProcess::Read::line) take(line);
             enforce_limits();
@@ -71,13 +82,13 @@ private:
     void enforce_limits() {
         const auto time = steady_clock::now();
         if (scheduler_.is_stopping() && !kill_at_) {
-            worker_.signal(SIGTERM);
+            worker_->signal(SIGTERM);
             kill_at_ = time + scheduler_.options_.stop_patience;
         }
-        if (kill_at_ && time > *kill_at_) worker_.signal(SIGKILL);
+        if (kill_at_ && time > *kill_at_) worker_->signal(SIGKILL);
         if (!failed_ && time - begun_ > scheduler_.options_.job_limit) {
             failed_ = JobFailed{.error = "the reconstruction took longer than the server allows"};
-            worker_.signal(SIGKILL);
+            worker_->signal(SIGKILL);
         }
     }
 
@@ -100,7 +111,7 @@ private:
 
     Scheduler& scheduler_;
     const ModelRecord& model_;
-    WorkerProcess worker_;
+    std::optional<WorkerProcess> worker_;
     steady_clock::time_point begun_ = steady_clock::now();
     std::optional<steady_clock::time_point> kill_at_;
     std::optional<JobFailed> failed_;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <future>
 #include <thread>
 
 #include "server/store/sqlite_catalog.h"
@@ -124,4 +125,26 @@ TEST_CASE("Scheduler: an abandoned model's worker is gone when the call returns"
     std::string pid;
     std::ifstream(file) >> pid;
     CHECK_FALSE(std::filesystem::exists("/proc/" + pid));
+}
+
+TEST_CASE("Scheduler: a model removed between its claim and its start gets no worker") {
+    Fixture f;
+    const std::string id = f.add();
+    const auto file = f.folder.path() / "started";
+    std::promise<void> claimed, removed;
+    {
+        Scheduler scheduler(
+            f.catalog, f.events,
+            [&](const ModelRecord&) -> std::vector<std::string> {
+                claimed.set_value();
+                removed.get_future().wait();
+                return {"/bin/sh", "-c", "touch " + file.string()};
+            },
+            f.options, [](const std::string&) {});
+        claimed.get_future().wait();
+        f.catalog.remove(id);
+        scheduler.abandon(id);
+        removed.set_value();
+    }
+    CHECK_FALSE(std::filesystem::exists(file));
 }
