@@ -1,8 +1,10 @@
 #include "core/reconstruction/confirmed_depth.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -11,51 +13,99 @@
 namespace anyrate {
 namespace {
 
-// From the pixels of a map to the world.
-class BackProjection {
-public:
-    explicit BackProjection(const DepthMap& map)
-        : world_from_pixel_(map.P.leftCols<3>().inverse()), centre_(-world_from_pixel_ * map.P.col(3)) {}
+// A map and the way back from its pixels to the world.
+struct DepthView {
+    const DepthMap* map;
+    Mat3 world_from_pixel;
+    Vec3 centre;
 
-    Vec3 operator()(double x, double y, double inverse_depth) const {
-        return centre_ + world_from_pixel_ * Vec3(x, y, 1.0) / inverse_depth;
+    explicit DepthView(const DepthMap& depths)
+        : map(&depths),
+          world_from_pixel(depths.P.leftCols<3>().inverse()),
+          centre(-world_from_pixel * depths.P.col(3)) {}
+
+    Vec3 to_world(double x, double y, double inverse_depth) const {
+        return centre + world_from_pixel * Vec3(x, y, 1.0) / inverse_depth;
     }
-
-private:
-    Mat3 world_from_pixel_;
-    Vec3 centre_;
 };
 
-bool sees_at_its_depth(const DepthMap& map, const Vec3& point, double tolerance_px) {
-    const Vec3 x = map.P * point.homogeneous();
-    if (!(x.z() > 0)) return false;
-    const double u = x.x() / x.z(), v = x.y() / x.z();
-    const auto& known = map.inverse_depth;
-    if (!(u >= 0 && v >= 0 && u < known.width - 1 && v < known.height - 1)) return false;
-    const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
-    // Any of the four pixels around: on a slanted surface their depths differ by more than the tolerance.
-    for (int i = 0; i < 4; ++i) {
-        const double inverse_depth = known(x0 + (i & 1), y0 + (i >> 1));
-        if (inverse_depth > 0 && std::abs(inverse_depth - 1.0 / x.z()) <= tolerance_px * map.step) return true;
-    }
-    return false;
+bool look_from_near(const DepthView& a, const DepthView& b, const Vec3& point, double least_cos) {
+    const Vec3 to_a = a.centre - point, to_b = b.centre - point;
+    const double dot = to_a.dot(to_b);
+    return dot > 0 && dot * dot >= least_cos * least_cos * to_a.squaredNorm() * to_b.squaredNorm();
 }
 
-DepthMap confirm(std::span<const DepthMap> maps, std::size_t own, const ConfirmOptions& options) {
-    DepthMap result = maps[own];
-    if (!(result.step > 0)) return result;
-    const BackProjection to_world(result);
+enum class Finding { nothing, confirms, contradicts };
+
+// What a map says of a point, from the four pixels around it: on a slanted surface their depths differ by more than the
+// tolerance, so one is enough to confirm; to see through the point takes all that are known, at least three. A map that
+// has something in front of the point says nothing: the point may be hidden there.
+Finding find(const DepthMap& map, const Vec3& point, const ConfirmOptions& options) {
+    const Vec3 x = map.P * point.homogeneous();
+    if (!(x.z() > 0)) return Finding::nothing;
+    const double u = x.x() / x.z(), v = x.y() / x.z();
+    const auto& known = map.inverse_depth;
+    if (!(u >= 0 && v >= 0 && u < known.width - 1 && v < known.height - 1)) return Finding::nothing;
+    const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
+    int n_through = 0;
+    for (int i = 0; i < 4; ++i) {
+        const double inverse_depth = known(x0 + (i & 1), y0 + (i >> 1));
+        if (!(inverse_depth > 0)) continue;
+        const double in_front_px = (1.0 / x.z() - inverse_depth) / map.step;
+        if (std::abs(in_front_px) <= options.tolerance_px) return Finding::confirms;
+        n_through += in_front_px > options.conflict_px;
+    }
+    return n_through >= 3 ? Finding::contradicts : Finding::nothing;
+}
+
+// At every pixel of a map: how many other views have a point there that the map sees through.
+Image<std::uint8_t> count_seen_through(std::span<const DepthView> views, const DepthView& own, double least_cos,
+                                       const ConfirmOptions& options) {
+    const Image<float>& known = own.map->inverse_depth;
+    Image<std::uint8_t> count(known.width, known.height, 0);
+    Image<const DepthView*> last(known.width, known.height, nullptr);  // that was counted at a pixel
+    for (const DepthView& other : views) {
+        if (other.map == own.map) continue;
+        const Image<float>& depths = other.map->inverse_depth;
+        for (int y = 0; y < depths.height; ++y)
+            for (int x = 0; x < depths.width; ++x) {
+                if (!(depths(x, y) > 0)) continue;
+                const Vec3 point = other.to_world(x, y, depths(x, y));
+                if (!look_from_near(own, other, point, least_cos)) continue;
+                const Vec3 p = own.map->P * point.homogeneous();
+                const double u = p.x() / p.z() + 0.5, v = p.y() / p.z() + 0.5;
+                if (!(p.z() > 0 && u >= 0 && v >= 0 && u < known.width && v < known.height)) continue;
+                const int px = static_cast<int>(u), py = static_cast<int>(v);
+                const double inverse_depth = known(px, py);
+                if (!(inverse_depth > 0) || last(px, py) == &other) continue;
+                if ((1.0 / p.z() - inverse_depth) / own.map->step <= options.conflict_px) continue;
+                last(px, py) = &other;
+                ++count(px, py);
+            }
+    }
+    return count;
+}
+
+DepthMap confirm(std::span<const DepthView> views, const DepthView& own, const ConfirmOptions& options) {
+    const double least_cos = std::cos(options.max_angle_deg * std::numbers::pi / 180.0);
+    const auto n_seen_through = count_seen_through(views, own, least_cos, options);
+    const auto is_confirmed = [&](int x, int y) {
+        if (!(own.map->agreement(x, y) >= options.least_agreement)) return false;
+        const Vec3 point = own.to_world(x, y, own.map->inverse_depth(x, y));
+        int n_confirm = 0, n_contradict = n_seen_through(x, y);
+        for (const DepthView& other : views) {
+            if (other.map == own.map || !look_from_near(own, other, point, least_cos)) continue;
+            const Finding finding = find(*other.map, point, options);
+            n_confirm += finding == Finding::confirms;
+            n_contradict += finding == Finding::contradicts;
+        }
+        return n_confirm >= options.n_views && n_confirm > 2 * n_contradict;
+    };
+    DepthMap result = *own.map;
     for (int y = 0; y < result.inverse_depth.height; ++y)
         for (int x = 0; x < result.inverse_depth.width; ++x) {
             float& inverse_depth = result.inverse_depth(x, y);
-            if (!(inverse_depth > 0)) continue;
-            int n_confirm = 0;
-            if (result.agreement(x, y) >= options.least_agreement) {
-                const Vec3 point = to_world(x, y, inverse_depth);
-                for (std::size_t i = 0; i < maps.size() && n_confirm < options.n_views; ++i)
-                    n_confirm += i != own && sees_at_its_depth(maps[i], point, options.tolerance_px);
-            }
-            if (n_confirm < options.n_views) inverse_depth = 0.0f;
+            if (inverse_depth > 0 && !is_confirmed(x, y)) inverse_depth = 0.0f;
         }
     return result;
 }
@@ -63,9 +113,16 @@ DepthMap confirm(std::span<const DepthMap> maps, std::size_t own, const ConfirmO
 }  // namespace
 
 std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options) {
-    std::vector<DepthMap> confirmed(maps.size());
+    std::vector<DepthView> views;
+    std::vector<std::size_t> swept;
+    for (std::size_t i = 0; i < maps.size(); ++i)
+        if (maps[i].step > 0) {
+            views.emplace_back(maps[i]);
+            swept.push_back(i);
+        }
+    std::vector<DepthMap> confirmed(maps.begin(), maps.end());
     parallel_for(
-        maps.size(), [&](std::size_t i) { confirmed[i] = confirm(maps, i, options); }, 1);
+        views.size(), [&](std::size_t i) { confirmed[swept[i]] = confirm(views, views[i], options); }, 1);
     return confirmed;
 }
 

@@ -9,11 +9,16 @@ namespace anyrate {
 struct ConfirmOptions {
     int n_views = 2;               ///< other views that must find the same surface
     double tolerance_px = 1.0;     ///< of disparity, within which two depths are the same
+    double conflict_px = 3.0;      ///< of disparity, beyond which they contradict each other
+    double max_angle_deg = 60.0;   ///< between the directions from a point to two views that are compared
     double least_agreement = 0.3;  ///< of the images, see DepthMap
 };
 
 /// Keeps of every depth map what enough others confirm: the point at a pixel, carried into another view, stands at the
-/// depth which that view's own map has there. Everything else becomes unknown.
+/// depth which that view's own map has there. Nor may half as many views contradict it: those that see through the
+/// point, and those that have a point of their own in front of it, on its ray. Everything else becomes unknown. Where a
+/// surface is seen too badly to be matched, some views find the same false depth; then others contradict them.
+/// Source: Merrell et al. 2007, "Real-time visibility-based fusion of depth maps" (stability-based fusion).
 std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options = {});
 
 }  // namespace anyrate
