@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/reconstruction/distortion.h"
+#include "core/reconstruction/fairing.h"
 #include "core/reconstruction/optimise_surface.h"
 
 namespace anyrate {
@@ -32,15 +33,59 @@ std::optional<double> usual_distortion(std::span<const std::optional<double>> G,
     return *middle;
 }
 
+enum class Standing : char { shown, doubtful, guessed };
+
+// Guesses, and what is doubtful: shown by the images, which disagree there; and the surroundings of both.
+std::vector<Standing> find_standings(PhotoBackend& backend, const GuessedSurface& guessed, const Mesh& mesh,
+                                     const OneRings& rings, const ConfirmGuessOptions& options) {
+    const std::vector<char> is_guessed = guessed.vertices(mesh);
+    const auto G = vertex_distortions(backend, mesh, rings);
+    const std::optional<double> usual = usual_distortion(G, is_guessed);
+    std::vector<Standing> standings(is_guessed.size(), Standing::shown);
+    for (std::size_t v = 0; v < standings.size(); ++v) {
+        if (is_guessed[v] != 0)
+            standings[v] = Standing::guessed;
+        else if (usual && G[v] && *G[v] > options.agreement * *usual)
+            standings[v] = Standing::doubtful;
+    }
+    const std::vector<Standing> inner = standings;
+    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v)
+        if (inner[at(v)] == Standing::shown &&
+            std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return inner[at(w)] != Standing::shown; }))
+            standings[at(v)] = Standing::doubtful;
+    return standings;
+}
+
+GuessedSurface surface_of(const Mesh& mesh, const OneRings& rings, std::span<const char> is_guessed) {
+    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
+    const std::vector<double> edges = mean_edge_lengths(mesh, rings);
+    std::vector<OrientedPoint> points;
+    double reach = 0;
+    for (std::size_t v = 0; v < is_guessed.size(); ++v)
+        if (is_guessed[v] != 0) {
+            points.push_back({mesh.vertices[v], normals[v], 0.0});
+            reach += edges[v];
+        }
+    if (points.empty()) return {};
+    const auto n_points = static_cast<double>(points.size());
+    return GuessedSurface(std::move(points), reach / n_points);
+}
+
 GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
                             const ConfirmGuessOptions& options, const std::stop_token& stop) {
-    const std::vector<char> is_guessed = guessed.vertices(mesh);
+    const OneRings rings(mesh);
+    const std::vector<Standing> standings = find_standings(backend, guessed, mesh, rings, options);
+    std::vector<char> on_trial(standings.size());
     std::vector<std::int32_t> active;
-    for (std::size_t v = 0; v < is_guessed.size(); ++v)
-        if (is_guessed[v] != 0) active.push_back(static_cast<std::int32_t>(v));
+    for (std::size_t v = 0; v < standings.size(); ++v)
+        if (standings[v] != Standing::shown) {
+            on_trial[v] = 1;
+            active.push_back(static_cast<std::int32_t>(v));
+        }
     if (active.empty()) return {};
 
     Mesh trial = mesh;
+    fair(trial, on_trial, options.attachment);
     for (int level = std::min(options.coarsest_level, backend.n_levels() - 1); level >= 0; --level) {
         OptimiseOptions optimise;
         optimise.level = level;
@@ -48,28 +93,32 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
         optimise_surface(backend, silhouettes, trial.vertices, trial.triangles, active, {}, optimise, stop);
     }
 
-    const OneRings rings(trial);
-    const auto G = vertex_distortions(backend, trial, rings);
-    const std::optional<double> usual = usual_distortion(G, is_guessed);
+    const auto before = vertex_distortions(backend, mesh, rings);
+    const auto after = vertex_distortions(backend, trial, rings);
+    const std::optional<double> usual = usual_distortion(after, on_trial);
     const auto agrees = [&](std::int32_t v) {
-        return is_guessed[at(v)] == 0 || (usual && G[at(v)] && *G[at(v)] <= options.agreement * *usual);
+        return on_trial[at(v)] == 0 || (usual && after[at(v)] && *after[at(v)] <= options.agreement * *usual);
     };
-    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
-    const std::vector<double> edges = mean_edge_lengths(mesh, rings);
-    std::vector<OrientedPoint> left;
-    double reach = 0;
-    for (const std::int32_t v : active) {
+    // No image speaks for the place of a doubtful vertex rather than for the trial's.
+    const auto improves = [&](std::int32_t v) {
+        return standings[at(v)] == Standing::doubtful &&
+               (!after[at(v)] || (before[at(v)] && *after[at(v)] < *before[at(v)]));
+    };
+    const auto is_settled = [&](std::int32_t v) {
         // Among wrong neighbours a vertex agrees by chance.
-        if (agrees(v) && std::ranges::all_of(rings.neighbours(v), agrees)) {
-            mesh.vertices[at(v)] = trial.vertices[at(v)];
-        } else {
-            left.push_back({mesh.vertices[at(v)], normals[at(v)], 0.0});
-            reach += edges[at(v)];
-        }
+        if (agrees(v) && std::ranges::all_of(rings.neighbours(v), agrees)) return true;
+        return improves(v) && std::ranges::all_of(rings.neighbours(v), [&](std::int32_t w) {
+                   return standings[at(w)] == Standing::guessed || agrees(w) || improves(w);
+               });
+    };
+    std::vector<char> is_guessed(standings.size(), 0);
+    for (const std::int32_t v : active) {
+        const bool settled = is_settled(v);
+        if (settled) mesh.vertices[at(v)] = trial.vertices[at(v)];
+        is_guessed[at(v)] = !settled && standings[at(v)] == Standing::guessed;
     }
-    if (left.empty()) return {};
-    const auto n_left = static_cast<double>(left.size());
-    return GuessedSurface(std::move(left), reach / n_left);
+    fair(mesh, is_guessed, options.attachment);
+    return surface_of(mesh, rings, is_guessed);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/mesh/topology.h"
 #include "core/reconstruction/confirmed_depth.h"
@@ -46,7 +47,8 @@ InitialSurface initial_surface(const Capture& capture, const PhotoImages& images
     report(Stage::hull, 0.0);
     const VisualHull hull = visual_hull(capture);
     report(Stage::hull, 0.5);
-    const auto maps = confirm_depths(plane_sweep(images, hull));
+    const auto swept = plane_sweep(images, hull);
+    const auto maps = confirm_depths(swept);
     const auto points = without_seen_through(hull.points, maps);
     const VoteField votes = depth_votes(hull.lower, hull.upper, maps, {.spacing = vote_cells * hull.cell});
     report(Stage::hull, 1.0);
@@ -56,10 +58,15 @@ InitialSurface initial_surface(const Capture& capture, const PhotoImages& images
     const ScalarField field = poisson_field(points, {.spacing = spacing}, votes);
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
+    // What some views find is shown, even if others contradict it: the optimiser will find out.
+    ConfirmOptions contradicted;
+    contradicted.conflict_px = std::numeric_limits<double>::infinity();
+    const auto shown = confirm_depths(swept, contradicted);
     InitialSurface initial;
     initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing);
-    initial.guessed = GuessedSurface(guessed_points(initial.mesh, hull.points, maps, {.reach = hull_reach_cells * hull.cell}),
-                                     reach_cells * spacing);
+    initial.guessed =
+        GuessedSurface(guessed_points(initial.mesh, hull.points, shown, {.reach = hull_reach_cells * hull.cell}),
+                       reach_cells * spacing);
     report(Stage::poisson, 1.0);
     return initial;
 }
