@@ -59,3 +59,12 @@ TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is 
     CHECK(volume(initial.mesh) == doctest::Approx(volume(dish)).epsilon(0.15));
     CHECK(volume(initial.mesh) < filled - 0.7 * missing);
 }
+
+TEST_CASE("Initial surface: the demo's vessel keeps its two handles, and its stem no hole") {
+    const Simulation scene = simulate_scene("vessel", {.width = 320, .height = 240});
+    const Topology topology =
+        measure_topology(initial_surface(scene.capture, make_photo_images(scene.capture), {}).mesh);
+    REQUIRE(topology.is_closed_manifold());
+    CHECK(topology.n_components == 1);
+    CHECK(topology.n_components - topology.euler / 2 == 2);
+}
