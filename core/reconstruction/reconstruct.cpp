@@ -7,6 +7,7 @@
 #include "core/mesh/decimate.h"
 #include "core/mesh/remesh.h"
 #include "core/reconstruction/confirm_guesses.h"
+#include "core/reconstruction/exposure.h"
 #include "core/reconstruction/flow.h"
 #include "core/reconstruction/initial_mesh.h"
 #include "core/reconstruction/optimise_surface.h"
@@ -121,8 +122,9 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     };
 
     // Step 1: hull, Poisson, remesh.
-    const PhotoImages images = make_photo_images(capture);
+    PhotoImages images = make_photo_images(capture);
     InitialSurface initial = initial_surface(capture, images, tell);
+    even_out_exposure(images, initial.mesh);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
