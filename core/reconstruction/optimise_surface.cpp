@@ -106,8 +106,7 @@ private:
             first_samples_ += t.distortion.n_samples;
         }
         const double psi = first_samples_ > 0 ? phi / first_samples_ : 0.0;
-        for (double& weight : silhouette_weights_)
-            weight *= options_.silhouette * std::sqrt(clean_psi * std::max(psi, clean_psi));
+        for (double& weight : silhouette_weights_) weight *= options_.silhouette * std::max(psi, clean_psi);
 
         std::vector<double> curvature(vertices_.size(), 0.0);
         for (std::size_t i = 0; i < faces_.size(); ++i)
