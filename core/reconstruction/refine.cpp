@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "core/reconstruction/batch_selection.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double largest_scalar = 40;
 
 constexpr int most_attempts = 3;  ///< to make a batch lower Psi by leaving splits out
+constexpr int fewest_tried = 40;  ///< splits of a batch
 constexpr int most_refusals = 4;  ///< batches refused in a row before one is taken as it is: the count has to be met
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -148,13 +150,20 @@ struct Step {
     StateDistortion distortion;
 };
 
-/// The splits of a step around which the images agree less than before.
-std::vector<std::int32_t> harmful_splits(const RefinableMesh& state, const StateDistortion& before, const Step& step) {
+/// By how much the images agree better around a split than before it: mean phi of a sample, before less after; 0 where
+/// that cannot be told.
+struct SplitGain {
+    std::int32_t face = 0;
+    double gain = 0;
+};
+
+std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistortion& before, const Step& step) {
     const Mesh old_mesh = state.to_mesh(), new_mesh = step.state.to_mesh();
     const OneRings old_rings(old_mesh), new_rings(new_mesh);
-    std::vector<std::int32_t> harmful;
+    std::vector<SplitGain> gains;
     std::int32_t first_new = state.n_vertices();
     for (const SplitRecord& record : step.records) {
+        gains.push_back({record.face, 0});
         const auto site = state.split_site(record.face);
         std::vector<std::int32_t> nine{first_new, first_new + 1, first_new + 2};
         first_new += 3;
@@ -163,9 +172,9 @@ std::vector<std::int32_t> harmful_splits(const RefinableMesh& state, const State
         const auto was = mean_phi_around(old_rings, before.terms, *site);
         nine.insert(nine.end(), site->begin(), site->end());
         const auto is = mean_phi_around(new_rings, step.distortion.terms, nine);
-        if (was && is && *is > *was) harmful.push_back(record.face);
+        if (was && is) gains.back().gain = *was - *is;
     }
-    return harmful;
+    return gains;
 }
 
 int batch_size(int n_vertices, const RefineOptions& options) {
@@ -184,20 +193,28 @@ Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, c
     return step;
 }
 
-/// The batch as far as it lowers Psi: while it does not, the splits that did harm where they are go.
-/// @param is_rejected  learns of those
+/// The batch as far as it lowers Psi: while it does not, the splits that did harm where they are go, and while there
+/// are more than `most`, those that gain least.
+/// @param is_rejected  learns of the splits that did harm
 /// @return nullopt if no part of it lowers Psi
 std::optional<Step> take_step(const RefinableMesh& state, const StateDistortion& now,
-                              std::span<const std::int32_t> batch, const Targets& targets, PhotoBackend& backend,
-                              const RefineOptions& options, std::vector<char>& is_rejected) {
+                              std::span<const std::int32_t> batch, std::size_t most, const Targets& targets,
+                              PhotoBackend& backend, const RefineOptions& options, std::vector<char>& is_rejected) {
     std::vector<std::int32_t> left_out;
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
         Step step = try_step(state, batch, targets, left_out, backend, options);
-        if (options.by_area || step.records.empty() || step.distortion.point.mean < now.point.mean) return step;
-        const std::vector<std::int32_t> harmful = harmful_splits(state, now, step);
-        if (harmful.empty()) break;
-        for (std::int32_t f : harmful) is_rejected[at(f)] = 1;
-        left_out.insert(left_out.end(), harmful.begin(), harmful.end());
+        const bool fits = step.records.size() <= most;
+        if (options.by_area || step.records.empty() || (fits && step.distortion.point.mean < now.point.mean))
+            return step;
+        std::vector<SplitGain> gains = split_gains(state, now, step);
+        std::ranges::stable_sort(gains, std::greater<>(), &SplitGain::gain);
+        const std::size_t n_before = left_out.size();
+        for (std::size_t i = 0; i < gains.size(); ++i) {
+            const bool harms = gains[i].gain < 0;
+            if (harms) is_rejected[at(gains[i].face)] = 1;
+            if (harms || i >= most) left_out.push_back(gains[i].face);
+        }
+        if (left_out.size() == n_before) break;
         std::sort(left_out.begin(), left_out.end());
     }
     return std::nullopt;
@@ -244,13 +261,16 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const Mesh mesh = state.to_mesh();
         is_rejected.resize(mesh.triangles.size(), 0);
         const std::vector<double> scores = split_scores(mesh, now.terms, guessed.vertices(mesh), is_rejected, options);
-        const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options));
+        const int n_splits = batch_size(state.n_vertices(), options);
+        // Of so few that the images may bear none of them out, more are tried than taken.
+        const int n_tried = options.by_area ? n_splits : std::max(n_splits, fewest_tried);
+        const std::vector<std::int32_t> batch = select_batch(state, scores, n_tried);
         if (batch.empty()) break;
         const Targets targets = optimise_batch(state, batch, backend, silhouettes, guessed, options, stop);
         const std::int32_t n_before = state.n_vertices();
-        std::optional<Step> step = take_step(state, now, batch, targets, backend, options, is_rejected);
+        std::optional<Step> step = take_step(state, now, batch, at(n_splits), targets, backend, options, is_rejected);
         if (!step && ++n_refusals < most_refusals) continue;
-        if (!step) step = try_step(state, batch, targets, {}, backend, options);
+        if (!step) step = try_step(state, select_batch(state, scores, n_splits), targets, {}, backend, options);
         n_refusals = 0;
         if (step->records.empty()) break;
         state = std::move(step->state);
