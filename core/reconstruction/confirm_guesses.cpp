@@ -36,20 +36,18 @@ std::optional<double> usual_distortion(std::span<const std::optional<double>> G,
 enum class Standing : char { shown, doubtful, guessed };
 
 // Guesses, and what is doubtful: shown by the images, which disagree there; and the surroundings of both.
-std::vector<Standing> find_standings(PhotoBackend& backend, const GuessedSurface& guessed, const Mesh& mesh,
-                                     const OneRings& rings, const ConfirmGuessOptions& options) {
-    const std::vector<char> is_guessed = guessed.vertices(mesh);
-    const auto G = vertex_distortions(backend, mesh, rings);
+std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span<const std::optional<double>> G,
+                                     const OneRings& rings, double agreement) {
     const std::optional<double> usual = usual_distortion(G, is_guessed);
     std::vector<Standing> standings(is_guessed.size(), Standing::shown);
     for (std::size_t v = 0; v < standings.size(); ++v) {
         if (is_guessed[v] != 0)
             standings[v] = Standing::guessed;
-        else if (usual && G[v] && *G[v] > options.agreement * *usual)
+        else if (usual && G[v] && *G[v] > agreement * *usual)
             standings[v] = Standing::doubtful;
     }
     const std::vector<Standing> inner = standings;
-    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v)
+    for (std::int32_t v = 0; v < static_cast<std::int32_t>(inner.size()); ++v)
         if (inner[at(v)] == Standing::shown &&
             std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return inner[at(w)] != Standing::shown; }))
             standings[at(v)] = Standing::doubtful;
@@ -74,7 +72,8 @@ GuessedSurface surface_of(const Mesh& mesh, const OneRings& rings, std::span<con
 GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
                             const ConfirmGuessOptions& options, const std::stop_token& stop) {
     const OneRings rings(mesh);
-    const std::vector<Standing> standings = find_standings(backend, guessed, mesh, rings, options);
+    const auto before = vertex_distortions(backend, mesh, rings);
+    const std::vector<Standing> standings = find_standings(guessed.vertices(mesh), before, rings, options.agreement);
     std::vector<char> on_trial(standings.size());
     std::vector<std::int32_t> active;
     for (std::size_t v = 0; v < standings.size(); ++v)
@@ -93,7 +92,6 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
         optimise_surface(backend, silhouettes, trial.vertices, trial.triangles, active, {}, optimise, stop);
     }
 
-    const auto before = vertex_distortions(backend, mesh, rings);
     const auto after = vertex_distortions(backend, trial, rings);
     const std::optional<double> usual = usual_distortion(after, on_trial);
     const auto agrees = [&](std::int32_t v) {

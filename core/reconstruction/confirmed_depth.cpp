@@ -59,10 +59,10 @@ Finding find(const DepthMap& map, const Vec3& point, const ConfirmOptions& optio
 }
 
 // At every pixel of a map: how many other views have a point there that the map sees through.
-Image<std::uint8_t> count_seen_through(std::span<const DepthView> views, const DepthView& own, double least_cos,
-                                       const ConfirmOptions& options) {
+Image<std::uint16_t> count_seen_through(std::span<const DepthView> views, const DepthView& own, double least_cos,
+                                        const ConfirmOptions& options) {
     const Image<float>& known = own.map->inverse_depth;
-    Image<std::uint8_t> count(known.width, known.height, 0);
+    Image<std::uint16_t> count(known.width, known.height, 0);
     Image<const DepthView*> last(known.width, known.height, nullptr);  // that was counted at a pixel
     for (const DepthView& other : views) {
         if (other.map == own.map) continue;

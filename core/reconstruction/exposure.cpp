@@ -65,16 +65,19 @@ std::vector<double> solve_log_gains(const Observations& observations, std::size_
             points[static_cast<std::size_t>(o.point)] += o.log_value - gains[static_cast<std::size_t>(o.view)];
         for (std::size_t p = 0; p < n_points; ++p) points[p] /= std::max(n_seen[p], 1);
         double mean = 0;
+        std::vector<std::size_t> shared;  // views that show what another one shows
         for (auto begin = observations.begin(); begin != observations.end();) {
             const auto view = static_cast<std::size_t>(begin->view);
             residuals.clear();
             for (; begin != observations.end() && static_cast<std::size_t>(begin->view) == view; ++begin)
                 if (n_seen[static_cast<std::size_t>(begin->point)] > 1)
                     residuals.push_back(begin->log_value - points[static_cast<std::size_t>(begin->point)]);
-            if (!residuals.empty()) gains[view] = median(residuals);
+            if (residuals.empty()) continue;
+            gains[view] = median(residuals);
             mean += gains[view];
+            shared.push_back(view);
         }
-        for (double& gain : gains) gain -= mean / static_cast<double>(n_views);
+        for (const std::size_t view : shared) gains[view] -= mean / static_cast<double>(shared.size());
     }
     return gains;
 }
