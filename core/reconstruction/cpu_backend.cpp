@@ -68,10 +68,13 @@ class CpuBackend final : public PhotoBackend {
 public:
     CpuBackend(const PhotoImages& images, Sampling sampling) : images_(images), sampling_(sampling) {}
 
-    void set_surface(const SurfaceView& surface, int level, double samples_per_px) override {
+    void set_surface(const SurfaceView& surface, int level, double samples_per_px,
+                     std::span<const std::int32_t> faces) override {
         assert(level >= 0 && level < images_.n_levels());
         level_ = level;
-        visibility_ = std::make_unique<Visibility>(images_, surface);
+        // A pixel of a coarse level asks for no finer depth than its own quarters.
+        visibility_ = std::make_unique<Visibility>(
+            images_, surface, VisibilityOptions{.finest_level = std::max(level - 1, 0)}, faces);
         const OneRings rings(surface);
         faces_.resize(surface.triangles.size());
         const double area_scale = std::ldexp(1.0, -2 * level);
@@ -169,7 +172,7 @@ private:
         const float scale = std::ldexp(1.0F, level_);
         const float x = (static_cast<float>(patch.x) + views.px[i] + 0.5F) * scale - 0.5F;
         const float y = (static_cast<float>(patch.y) + views.py[i] + 0.5F) * scale - 0.5F;
-        return visibility_->is_visible(face, patch.view, x, y, 1.0F / views.inverse_z[i]);
+        return visibility_->is_visible(face, patch.view, x, y, views.inverse_z[i]);
     }
 
     /// Colours of a sample in the views that see it.

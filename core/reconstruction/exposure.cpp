@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/parallel.h"
-#include "core/reconstruction/visibility.h"
+#include "core/reconstruction/inverse_depth.h"
 
 namespace anyrate {
 namespace {
@@ -31,7 +31,7 @@ std::array<Observations, 3> observe(const PhotoView& view, std::int32_t index, c
                                     const std::vector<Vec3>& normals, std::size_t stride) {
     std::array<Observations, 3> seen;
     const PhotoLevel& level = view.levels[std::min<std::size_t>(sampled_level, view.levels.size() - 1)];
-    const Image<float> depth = render_depth(level, surface);
+    const Image<float> inverse_depth = render_inverse_depth(level, surface);
     const double px = static_cast<double>(view.levels.front().width) / (view.focal_px * level.width);
     for (std::size_t v = 0; v < surface.vertices.size(); v += stride) {
         const Vec3& p = surface.vertices[v];
@@ -39,8 +39,9 @@ std::array<Observations, 3> observe(const PhotoView& view, std::int32_t index, c
         const Vec3 x = level.P * p.homogeneous();
         ColourSample colour;
         if (!(x.z() > 0) || !sample_colour(level, x.x() / x.z(), x.y() / x.z(), colour)) continue;
-        const float nearest = depth(static_cast<int>(x.x() / x.z() + 0.5), static_cast<int>(x.y() / x.z() + 0.5));
-        if (x.z() > nearest * (1 + hidden_px * px)) continue;
+        const float nearest =
+            inverse_depth(static_cast<int>(x.x() / x.z() + 0.5), static_cast<int>(x.y() / x.z() + 0.5));
+        if (x.z() * nearest > 1 + hidden_px * px) continue;
         for (std::size_t k = 0; k < 3; ++k)
             if (colour.c[k] > darkest && colour.c[k] < brightest)
                 seen[k].push_back({index, static_cast<std::int32_t>(v / stride), std::log(colour.c[k])});

@@ -12,7 +12,7 @@ namespace {
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr double first_damping = 1e-2;
-constexpr double max_damping = 1e3;
+constexpr int most_trials = 4;          ///< of a step, each damped eight times more than the one before
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
 constexpr double noisy_psi = 600;       ///< where smoothness counts twice
@@ -24,7 +24,7 @@ class Round {
 public:
     Round(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
           std::span<const Triangle> triangles, const OneRings& rings, std::span<const std::int32_t> active,
-          std::span<const std::int32_t> faces, const OptimiseOptions& options)
+          std::span<const std::int32_t> around, std::span<const std::int32_t> faces, const OptimiseOptions& options)
         : backend_(backend),
           silhouettes_(silhouettes),
           vertices_(vertices),
@@ -34,8 +34,7 @@ public:
           faces_(faces),
           options_(options) {
         const SurfaceView surface(vertices_, triangles_);
-        backend_.set_surface(surface, options.level, options.samples_per_px);
-        silhouettes_.look(surface);
+        backend_.set_surface(surface, options.level, options.samples_per_px, around);
         const std::vector<double> edges = mean_edge_lengths(surface, rings_);
         for (std::int32_t v : active_) {
             double pixel = 0;
@@ -49,7 +48,8 @@ public:
         energy_ = evaluate();
     }
 
-    /// One damped Gauss-Newton step. @return whether the energy fell; if not, nothing has moved
+    /// One damped Gauss-Newton step.
+    /// @return whether the energy fell by enough to go on; if not, no other step can be taken in this round
     bool step(double& damping) {
         const SurfaceView surface(vertices_, triangles_);
         const NormalDisplacement quadratic(surface, rings_, normals_, active_, faces_, terms_, silhouette_terms_,
@@ -57,7 +57,7 @@ public:
         const double before = energy_;
         const std::vector<Vec3> start(vertices_);
         const std::vector<Vec3> start_normals(normals_);
-        for (; damping <= max_damping; damping *= 8) {
+        for (int trial = 0; trial < most_trials; ++trial, damping *= 8) {
             const std::vector<double> u = quadratic.solve(damping);
             for (std::size_t i = 0; i < active_.size(); ++i) {
                 const std::size_t v = at(active_[i]);
@@ -71,8 +71,6 @@ public:
             }
         }
         vertices_ = start;
-        look();
-        energy_ = evaluate();
         return false;
     }
 
@@ -169,13 +167,11 @@ bool has_guessed_corner(const Triangle& t, std::span<const char> is_guessed) {
     return !is_guessed.empty() && std::ranges::any_of(t, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
 }
 
-std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active,
-                                       std::span<const Triangle> triangles, std::span<const char> is_guessed) {
+std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active) {
     std::vector<std::int32_t> faces;
     for (std::int32_t v : active) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    std::erase_if(faces, [&](std::int32_t f) { return has_guessed_corner(triangles[at(f)], is_guessed); });
     return faces;
 }
 
@@ -192,11 +188,14 @@ bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vect
         std::erase_if(all, [&](std::int32_t v) { return !is_guessed.empty() && is_guessed[at(v)] != 0; });
         active = all;
     }
-    const std::vector<std::int32_t> faces = faces_around(rings, active, triangles, is_guessed);
+    const std::vector<std::int32_t> around = faces_around(rings, active);
+    std::vector<std::int32_t> faces = around;
+    std::erase_if(faces, [&](std::int32_t f) { return has_guessed_corner(triangles[at(f)], is_guessed); });
+    silhouettes.look({vertices, triangles});  // once: what comes and goes beyond a contour is soon told
     bool moved = false;
     double damping = first_damping;
     for (int r = 0; r < options.rounds && !stop.stop_requested(); ++r) {
-        Round round(backend, silhouettes, vertices, triangles, rings, active, faces, options);
+        Round round(backend, silhouettes, vertices, triangles, rings, active, around, faces, options);
         bool falls = false;
         for (int s = 0; s < options.steps_per_round; ++s) {
             if (!round.step(damping)) break;

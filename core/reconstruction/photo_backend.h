@@ -38,7 +38,9 @@ public:
     /// Makes `surface` the current one: renders its visibility at once and copies what later calls need of it.
     /// @param level           pyramid level of the samples, 0 the photographs
     /// @param samples_per_px  the constant C of Nghiem et al., Eq. 7, per pixel of that level
-    virtual void set_surface(const SurfaceView& surface, int level, double samples_per_px) = 0;
+    /// @param faces           that later calls ask for, ascending; empty is all
+    virtual void set_surface(const SurfaceView& surface, int level, double samples_per_px,
+                             std::span<const std::int32_t> faces = {}) = 0;
 
     /// phi and samples (Eqs. 5-8) of each triangle of the batch.
     virtual std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) = 0;

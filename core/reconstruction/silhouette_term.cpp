@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/parallel.h"
-#include "core/reconstruction/visibility.h"
+#include "core/reconstruction/inverse_depth.h"
 
 namespace anyrate {
 namespace {
@@ -120,7 +120,7 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
 
 void Silhouettes::look(const SurfaceView& surface) {
     parallel_for(
-        views_.size(), [&](std::size_t i) { views_[i].coverage = render_depth(views_[i].coverage_level, surface); }, 1);
+        views_.size(), [&](std::size_t i) { views_[i].coverage = render_inverse_depth(views_[i].coverage_level, surface); }, 1);
 }
 
 bool Silhouettes::is_covered(const View& view, const Vec2& pixel) {
@@ -128,11 +128,12 @@ bool Silhouettes::is_covered(const View& view, const Vec2& pixel) {
         return static_cast<int>(std::lround((x + 0.5) * view.coverage_scale - 0.5));
     };
     const int x = at_level(pixel.x()), y = at_level(pixel.y());
-    return view.coverage.contains(x, y) && std::isfinite(view.coverage(x, y));
+    return view.coverage.contains(x, y) && view.coverage(x, y) > 0;
 }
 
-SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, bool on_rim,
-                                    double reach_px) {
+template <class IsOnRim>
+SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, double reach_px,
+                                    const IsOnRim& is_on_rim) {
     SilhouetteTerm term;
     const Vec3 x = view.P * point.homogeneous();
     if (x.z() <= 0) return term;
@@ -144,10 +145,11 @@ SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const V
     const double a = image(x0, y0), b = image(x0 + 1, y0), c = image(x0, y0 + 1), d = image(x0 + 1, y0 + 1);
     const double distance = ((1 - fv) * (a + fu * (b - a)) + fv * (c + fu * (d - c))) / eighths;
     const double dx = ((1 - fv) * (b - a) + fv * (d - c)) / eighths, dy = ((1 - fu) * (c - a) + fu * (d - b)) / eighths;
+    if (distance > reach_px) return term;  // most vertices: on with the next view
     const Vec3 q = view.P.leftCols<3>() * normal;
     const Vec2 motion = Vec2(q.x() - u * q.z(), q.y() - v * q.z()) / x.z();
     if (distance >= 0) {
-        if (!on_rim || distance > reach_px || motion.isZero(0)) return term;
+        if (motion.isZero(0) || !is_on_rim()) return term;
         // With surface just beyond it, the contour lies within the object's outline.
         if (is_covered(view, Vec2(u, v) + beyond_px * motion.normalized())) return term;
     }
@@ -165,8 +167,9 @@ std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const
     parallel_for(vertices.size(), [&](std::size_t i) {
         const std::int32_t v = vertices[i];
         for (const View& view : views_) {
-            const bool on_rim = is_on_rim(surface, rings.faces(v), view.centre);
-            const SilhouetteTerm term = term_in(view, surface.vertices[at(v)], normals[at(v)], on_rim, reach_px);
+            const SilhouetteTerm term =
+                term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
+                        [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
             result[i].energy += term.energy;
             result[i].gradient += term.gradient;
             result[i].hessian += term.hessian;

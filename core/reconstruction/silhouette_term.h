@@ -45,11 +45,12 @@ private:
         Image<std::int8_t> distance;
         PhotoLevel coverage_level;  ///< its camera at a level of at most a thousand pixels a side; no colours
         double coverage_scale = 1;  ///< of a pixel of the photograph at that level
-        Image<float> coverage;      ///< depth, infinity where there is no surface
+        Image<float> coverage;      ///< inverse depth, 0 where there is no surface
     };
     static bool is_covered(const View& view, const Vec2& pixel);
-    static SilhouetteTerm term_in(const View& view, const Vec3& point, const Vec3& normal, bool on_rim,
-                                  double reach_px);
+    template <class IsOnRim>
+    static SilhouetteTerm term_in(const View& view, const Vec3& point, const Vec3& normal, double reach_px,
+                                  const IsOnRim& is_on_rim);
 
     std::vector<View> views_;
 };

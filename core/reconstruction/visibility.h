@@ -12,6 +12,7 @@ namespace anyrate {
 struct VisibilityOptions {
     double min_cos = 0.3;       ///< views flatter than this to the face do not count: their footprint is a smear
     double tolerance_px = 1.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
+    int finest_level = 0;       ///< of the pyramid, that depth is rendered at
 };
 
 /// One view that sees a face.
@@ -24,7 +25,10 @@ struct FaceView {
 /// tolerances relative to the pixel, so that the scale of the world does not matter.
 class Visibility {
 public:
-    Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options = {});
+    /// @param faces  that will be asked for, ascending; empty is all. The others hide what they hide, but views() and
+    /// mean_area_px() say nothing of them.
+    Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options = {},
+               std::span<const std::int32_t> faces = {});
 
     /// The views that see a face, ascending.
     std::span<const FaceView> views(std::int32_t face) const {
@@ -33,28 +37,21 @@ public:
     }
     /// Mean of the face's projected area A_i over the views that see it, pixels of level 0 (Nghiem et al., Eq. 7).
     double mean_area_px(std::int32_t face) const { return mean_area_px_[static_cast<std::size_t>(face)]; }
-    /// World size of a pixel at the face, from the nearest view (seen or not).
+    /// World size of a pixel of level 0 at the face, from the nearest view (seen or not).
     double pixel_size(std::int32_t face) const { return pixel_size_[static_cast<std::size_t>(face)]; }
-    /// Whether a point of the face, at pixel (x, y) of level 0 and depth z, is in front of everything else.
-    bool is_visible(std::int32_t face, std::int32_t view, float x, float y, float z) const;
+    /// Whether a point of the face, at pixel (x, y) of level 0, is in front of everything else.
+    /// @param inverse_depth  1 / world units, along the optical axis
+    bool is_visible(std::int32_t face, std::int32_t view, float x, float y, float inverse_depth) const;
 
 private:
-    struct FaceSight;
-    std::vector<FaceSight> look(const SurfaceView& surface, std::int32_t face, double& mean_area_px) const;
-
     const PhotoImages* images_;
-    VisibilityOptions options_;
-    int level_ = 0;                    ///< of the pyramid, at which depth is rendered
-    float scale_ = 1;                  ///< of its pixels
-    std::vector<Image<float>> depth_;  ///< per view; infinity where there is no surface
-    std::vector<float> slope_;         ///< per face: depth tolerance as a part of depth, the largest over its views
+    int level_ = 0;                            ///< of the pyramid, at which depth is rendered
+    float scale_ = 1;                          ///< of its pixels
+    std::vector<Image<float>> inverse_depth_;  ///< per view; 0 where there is no surface
+    std::vector<float> slope_;                 ///< per face: depth tolerance as a part of depth, the largest over its views
     std::vector<std::size_t> begin_;
     std::vector<FaceView> face_views_;
     std::vector<double> mean_area_px_, pixel_size_;
 };
-
-/// Depth of the nearest surface at every pixel of `level`, world units along the optical axis; infinity where there is
-/// none.
-Image<float> render_depth(const PhotoLevel& level, const SurfaceView& surface);
 
 }  // namespace anyrate

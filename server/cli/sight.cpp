@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/mesh/bounds.h"
-#include "core/reconstruction/visibility.h"
+#include "core/reconstruction/inverse_depth.h"
 
 namespace anyrate {
 namespace {
@@ -23,28 +23,28 @@ Mat3 scaled_from_pixels(double scale) {
     return result;
 }
 
-/// Smallest depth in every cell of samples_per_side^2 samples.
-Image<float> nearest_in_cells(const Image<float>& samples) {
-    Image<float> cells(samples.width / samples_per_side, samples.height / samples_per_side,
+/// Smallest depth in every cell of samples_per_side^2 samples of the inverse depth; infinity where there is none.
+Image<float> nearest_in_cells(const Image<float>& inverse_depth) {
+    Image<float> cells(inverse_depth.width / samples_per_side, inverse_depth.height / samples_per_side,
                        std::numeric_limits<float>::infinity());
     for (int y = 0; y < cells.height * samples_per_side; ++y) {
         for (int x = 0; x < cells.width * samples_per_side; ++x) {
             float& cell = cells(x / samples_per_side, y / samples_per_side);
-            cell = std::min(cell, samples(x, y));
+            if (inverse_depth(x, y) > 0) cell = std::min(cell, 1.0F / inverse_depth(x, y));
         }
     }
     return cells;
 }
 
-/// Depth of the surface at the samples of every cell of a camera's depth image.
-Image<float> sample_depth(const Camera& camera, const Mesh& surface, double scale) {
+/// Inverse depth of the surface at the samples of every cell of a camera's depth image.
+Image<float> sample_inverse_depth(const Camera& camera, const Mesh& surface, double scale) {
     PhotoLevel level;
     level.width = samples_per_side * static_cast<int>(std::ceil(camera.width * scale));
     level.height = samples_per_side * static_cast<int>(std::ceil(camera.height * scale));
     Mat3 centres_from_corners = Mat3::Identity();
     centres_from_corners(0, 2) = centres_from_corners(1, 2) = -0.5;
     level.P = centres_from_corners * scaled_from_pixels(samples_per_side * scale) * camera.P();
-    return render_depth(level, surface);
+    return render_inverse_depth(level, surface);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ Sight::Sight(const Capture& capture, const Mesh& surface)
     for (const View& view : capture.views) {
         const double scale = static_cast<double>(depth_size) / std::max(view.camera.width, view.camera.height);
         views_.push_back(
-            {scaled_from_pixels(scale) * view.camera.P(), nearest_in_cells(sample_depth(view.camera, surface, scale))});
+            {scaled_from_pixels(scale) * view.camera.P(), nearest_in_cells(sample_inverse_depth(view.camera, surface, scale))});
     }
 }
 

@@ -72,14 +72,3 @@ TEST_CASE("Visibility: what stands behind something else is not seen, at any sca
         CHECK(n_seen_front > front.n_faces() / 4);
     }
 }
-
-TEST_CASE("Visibility: depth is the distance along the optical axis") {
-    const PhotoImages images = ring_of_views(3);
-    const Mesh mesh = icosphere(5);
-    const PhotoLevel& level = images.views[0].levels[0];
-    const Image<float> depth = render_depth(level, mesh);
-    // The ray through the principal point meets the unit sphere one radius before its centre.
-    const double distance = images.views[0].centre.norm();
-    CHECK(depth(63, 63) == doctest::Approx(distance - 1).epsilon(2e-3));
-    CHECK(std::isinf(depth(0, 0)));
-}

@@ -1,0 +1,26 @@
+#pragma once
+#include "core/capture/image.h"
+#include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/surface_view.h"
+
+namespace anyrate {
+
+/// A vertex as a view sees it: the pixel, and 1 / depth along the optical axis, which is linear on the screen across a
+/// triangle; 0 for what lies behind the camera.
+struct ScreenVertex {
+    float x = 0, y = 0, inverse_depth = 0;
+};
+
+/// Every vertex of the surface in the camera of a level.
+std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& surface);
+
+/// Inverse depth of the nearest surface at every pixel, 1 / world units along the optical axis; 0 where there is none.
+/// Faces that look away are left out: the nearest part of a closed surface always looks at the camera.
+/// @param vertices  project() of the surface at the level whose size is asked for
+Image<float> render_inverse_depth(int width, int height, std::span<const ScreenVertex> vertices,
+                                  std::span<const Triangle> triangles);
+
+/// The same from the surface itself.
+Image<float> render_inverse_depth(const PhotoLevel& level, const SurfaceView& surface);
+
+}  // namespace anyrate

@@ -1,0 +1,65 @@
+#include "core/reconstruction/inverse_depth.h"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/simulation/parametric_meshes.h"
+#include "eq_test_scenes.h"
+
+using namespace anyrate;
+
+namespace {
+
+PhotoImages ring_of_views() { return make_photo_images(painted_sphere(3, 128, wavy_paint), 2); }
+
+}  // namespace
+
+TEST_CASE("Inverse depth: it is that of the distance along the optical axis") {
+    const PhotoImages images = ring_of_views();
+    const Image<float> inverse_depth = render_inverse_depth(images.views[0].levels[0], icosphere(5));
+    // The ray through the principal point meets the unit sphere one radius before its centre.
+    const double distance = images.views[0].centre.norm();
+    CHECK(inverse_depth(63, 63) == doctest::Approx(1 / (distance - 1)).epsilon(2e-3));
+    CHECK(inverse_depth(0, 0) == 0);
+}
+
+TEST_CASE("Inverse depth: every pixel has that of the nearest triangle on its ray") {
+    const PhotoImages images = ring_of_views();
+    const PhotoLevel& level = images.views[1].levels[1];
+    const Mesh mesh = icosphere(2, 0.7, Vec3(0.1, -0.2, 0.3));
+    const Image<float> inverse_depth = render_inverse_depth(level, mesh);
+    const Mat3 world_from_pixel = level.P.leftCols<3>().inverse();
+    int n_covered = 0;
+    for (int y = 0; y < level.height; ++y)
+        for (int x = 0; x < level.width; ++x) {
+            // The ray by Moeller and Trumbore's test against every face; its direction has depth 1.
+            const Vec3 direction = world_from_pixel * Vec3(x, y, 1);
+            double nearest = std::numeric_limits<double>::infinity(), margin = nearest;
+            for (const Triangle& t : mesh.triangles) {
+                const auto vertex = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+                const Vec3 e1 = vertex(1) - vertex(0), e2 = vertex(2) - vertex(0), p = direction.cross(e2);
+                const Vec3 s = images.views[1].centre - vertex(0), q = s.cross(e1);
+                const double det = e1.dot(p), u = s.dot(p) / det, v = direction.dot(q) / det, z = e2.dot(q) / det;
+                const double inside = std::min({u, v, 1 - u - v});
+                margin = std::min(margin, std::abs(inside));
+                if (inside >= 0 && z > 0) nearest = std::min(nearest, z);
+            }
+            if (margin < 1e-3) continue;  // on an edge, where rounding decides
+            const double expected = std::isinf(nearest) ? 0.0 : 1 / nearest;
+            CHECK(inverse_depth(x, y) == doctest::Approx(expected).epsilon(1e-5));
+            n_covered += expected > 0;
+        }
+    CHECK(n_covered > 100);
+}
+
+TEST_CASE("Inverse depth: triangles across the frame fill what the image has of them") {
+    const PhotoImages images = ring_of_views();
+    const PhotoLevel& level = images.views[0].levels[0];
+    const double distance = images.views[0].centre.norm();
+    const Image<float> inverse_depth = render_inverse_depth(level, icosphere(4, 0.9 * distance));
+    // The camera stands outside of a sphere that fills the image.
+    CHECK(std::ranges::all_of(inverse_depth.pixels, [](float d) { return d > 0; }));
+}
