@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -19,23 +21,44 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
-// Brightness in -1 .. 1; unknown where a pixel is not the object's alone, so that what is interpolated from it is too.
-Image<float> brightness(const PhotoLevel& level) {
-    Image<float> grey(level.width, level.height, unknown);
+// One view at the level swept, cut to what it shows of the object.
+struct SweptView {
+    PixelBox box;       // in the pixels of the level
+    Mat34 P;            // to the pixels of the box
+    Vec3 centre;        // of projection, world units
+    Image<float> grey;  // brightness, -1 .. 1
+};
+
+PixelBox box_of_object(const PhotoLevel& level) {
+    PixelBox box;
     for (int y = 0; y < level.height; ++y)
-        for (int x = 0; x < level.width; ++x) {
+        for (int x = 0; x < level.width; ++x)
+            if (level.pixel(x, y)[3] != 0) box.extend(x, y);
+    return box;
+}
+
+// Brightness within a box; unknown where a pixel is not the object's alone, so that what is interpolated from it is too.
+Image<float> brightness(const PhotoLevel& level, const PixelBox& box) {
+    Image<float> grey(box.x1 - box.x0, box.y1 - box.y0, unknown);
+    for (int y = box.y0; y < box.y1; ++y)
+        for (int x = box.x0; x < box.x1; ++x) {
             const std::uint8_t* p = level.pixel(x, y);
-            if (p[3] != 0) grey(x, y) = static_cast<float>(p[0] + 2 * p[1] + p[2]) / 510.0f - 1.0f;
+            if (p[3] != 0) grey(x - box.x0, y - box.y0) = static_cast<float>(p[0] + 2 * p[1] + p[2]) / 510.0f - 1.0f;
         }
     return grey;
 }
 
-// One view at the level swept.
-struct SweptView {
-    const PhotoLevel* level = nullptr;
-    Vec3 centre;
-    Image<float> grey;
-};
+SweptView swept_view(const PhotoView& photo, const PhotoLevel& level) {
+    SweptView view;
+    view.box = box_of_object(level);
+    Mat3 box_from_level = Mat3::Identity();
+    box_from_level(0, 2) = -view.box.x0;
+    box_from_level(1, 2) = -view.box.y0;
+    view.P = box_from_level * level.P;
+    view.centre = photo.centre;
+    view.grey = brightness(level, view.box);
+    return view;
+}
 
 int choose_level(const PhotoImages& images, int most_object_px) {
     for (int l = 0; l < images.n_levels(); ++l) {
@@ -53,16 +76,12 @@ std::vector<SweptView> views_at(const PhotoImages& images, int level) {
     std::vector<SweptView> views(images.views.size());
     parallel_for(
         views.size(),
-        [&](std::size_t i) {
-            const PhotoView& photo = images.views[i];
-            views[i] = {&photo.levels[at(level)], photo.centre, brightness(photo.levels[at(level)])};
-        },
-        1);
+        [&](std::size_t i) { views[i] = swept_view(images.views[i], images.views[i].levels[at(level)]); }, 1);
     return views;
 }
 
 Parallax parallax_between(const SweptView& reference, const SweptView& other) {
-    const Mat34 &P = reference.level->P, &Q = other.level->P;
+    const Mat34 &P = reference.P, &Q = other.P;
     return {Q.leftCols<3>() * P.leftCols<3>().inverse(), Q * reference.centre.homogeneous()};
 }
 
@@ -81,7 +100,8 @@ std::vector<Neighbour> neighbours_of(const std::vector<SweptView>& views, std::s
     for (std::size_t i = 0; i < views.size(); ++i) {
         const Vec3 other = (views[i].centre - middle).normalized();
         const double angle = std::atan2(direction.cross(other).norm(), direction.dot(other));
-        if (angle >= options.min_angle_deg * degree && angle <= options.max_angle_deg * degree)
+        const bool shows_object = views[i].grey.width > 1 && views[i].grey.height > 1;
+        if (shows_object && angle >= options.min_angle_deg * degree && angle <= options.max_angle_deg * degree)
             neighbours.push_back({&views[i], angle, parallax_between(views[reference], views[i])});
     }
     std::stable_sort(neighbours.begin(), neighbours.end(),
@@ -104,8 +124,8 @@ struct PlaneRanges {
 double plane_step(const SweptView& reference, const std::vector<Neighbour>& neighbours, const Vec3& middle) {
     double px_per_inverse_depth = 0;
     for (const Neighbour& neighbour : neighbours) {
-        const Vec3 x = neighbour.view->level->P * middle.homogeneous();
-        const double depth = (reference.level->P * middle.homogeneous()).z();
+        const Vec3 x = neighbour.view->P * middle.homogeneous();
+        const double depth = (reference.P * middle.homogeneous()).z();
         const Vec3 b = neighbour.parallax.b;
         const Vec2 motion = (b.head<2>() - b.z() * x.hnormalized()) * depth / x.z();
         px_per_inverse_depth = std::max(px_per_inverse_depth, motion.norm());
@@ -119,14 +139,14 @@ PlaneRanges plane_ranges(const SweptView& reference, const VisualHull& hull, dou
     projected.reserve(hull.points.size());
     double nearest = 0, farthest = std::numeric_limits<double>::infinity();
     for (const OrientedPoint& point : hull.points) {
-        const Vec3 x = reference.level->P * point.position.homogeneous();
+        const Vec3 x = reference.P * point.position.homogeneous();
         if (!(x.z() > 0)) continue;
         projected.push_back({x.x() / x.z(), x.y() / x.z(), 1.0 / x.z()});
         nearest = std::max(nearest, projected.back().z());
         farthest = std::min(farthest, projected.back().z());
     }
     PlaneRanges ranges;
-    const int w = reference.level->width, h = reference.level->height;
+    const int w = reference.grey.width, h = reference.grey.height;
     ranges.first = Image<std::int16_t>(w, h, std::numeric_limits<std::int16_t>::max());
     ranges.last = Image<std::int16_t>(w, h, -1);
     if (projected.empty()) return ranges;
@@ -179,14 +199,46 @@ private:
     std::vector<float> row_;
 };
 
-// Around the pixels of the object that each plane may meet.
-std::vector<PixelBox> boxes_of_planes(const MaskImage& mask, const PlaneRanges& ranges) {
-    std::vector<PixelBox> boxes(at(ranges.n_planes));
-    for (int y = 0; y < mask.height; ++y)
-        for (int x = 0; x < mask.width; ++x)
+// What a sweep of half the resolution found for a view.
+struct CoarseDepth {
+    PixelBox box;  // of the view at that level
+    const DepthMap& map;
+};
+
+// Leaves the planes around the depths that are known nearby at half the resolution, at pixels where any is.
+void narrow(PlaneRanges& ranges, const PixelBox& box, const CoarseDepth& coarse) {
+    constexpr int margin = 3;  // a plane and a half of the coarse map
+    const Image<float>& known = coarse.map.inverse_depth;
+    for (int y = 0; y < ranges.first.height; ++y)
+        for (int x = 0; x < ranges.first.width; ++x) {
+            const int cx = (x + box.x0) / 2 - coarse.box.x0, cy = (y + box.y0) / 2 - coarse.box.y0;
+            float nearest = 0, farthest = std::numeric_limits<float>::infinity();
+            for (int v = std::max(cy - 1, 0); v <= std::min(cy + 1, known.height - 1); ++v)
+                for (int u = std::max(cx - 1, 0); u <= std::min(cx + 1, known.width - 1); ++u)
+                    if (const float inverse_depth = known(u, v); inverse_depth > 0) {
+                        nearest = std::max(nearest, inverse_depth);
+                        farthest = std::min(farthest, inverse_depth);
+                    }
+            if (nearest == 0) continue;
+            const auto plane = [&](float inverse_depth) {
+                return static_cast<int>(std::lround((inverse_depth - ranges.farthest) / ranges.step));
+            };
+            const int first = std::max<int>(ranges.first(x, y), plane(farthest) - margin),
+                      last = std::min<int>(ranges.last(x, y), plane(nearest) + margin);
+            if (first > last) continue;  // beyond the hull
+            ranges.first(x, y) = static_cast<std::int16_t>(first);
+            ranges.last(x, y) = static_cast<std::int16_t>(last);
+        }
+}
+
+// Around the pixels of the object that each plane may meet within a tile of the image.
+void boxes_of_planes(const MaskImage& mask, const PlaneRanges& ranges, const PixelBox& tile,
+                     std::vector<PixelBox>& boxes) {
+    boxes.assign(at(ranges.n_planes), {});
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
             if (mask(x, y) != 0)
                 for (int k = ranges.first(x, y); k <= ranges.last(x, y); ++k) boxes[at(k)].extend(x, y);
-    return boxes;
 }
 
 // The costs of all planes that may be the surface.
@@ -195,10 +247,7 @@ CostVolume sweep(const SweptView& reference, const std::vector<Neighbour>& neigh
     CostVolume volume(mask.width, mask.height, ranges.n_planes);
     WindowCorrelation windows(reference.grey, radius);
     BetterHalf best(neighbours.size(), mask.width, mask.height);
-    const std::vector<PixelBox> boxes = boxes_of_planes(mask, ranges);
-    for (int k = 0; k < ranges.n_planes; ++k) {
-        const PixelBox& box = boxes[at(k)];
-        if (box.is_empty()) continue;
+    const auto sweep_box = [&](int k, const PixelBox& box) {
         best.clear(box);
         for (const Neighbour& neighbour : neighbours)
             best.add(windows.correlate(neighbour.view->grey, neighbour.parallax, ranges.inverse_depth(k), box), box);
@@ -208,7 +257,17 @@ CostVolume sweep(const SweptView& reference, const std::vector<Neighbour>& neigh
                 const float cost = (1.0f - std::min(best.mean(x, y), 1.0f)) * CostVolume::worst_cost;
                 volume.costs[volume.first_plane(x, y) + at(k)] = static_cast<std::uint8_t>(cost + 0.5f);
             }
-    }
+    };
+    // By tiles, since the pixels of a small part of the image ask for few planes.
+    constexpr int tile_side = 32;
+    std::vector<PixelBox> boxes;
+    for (int y = 0; y < mask.height; y += tile_side)
+        for (int x = 0; x < mask.width; x += tile_side) {
+            boxes_of_planes(mask, ranges,
+                            {x, y, std::min(x + tile_side, mask.width), std::min(y + tile_side, mask.height)}, boxes);
+            for (int k = 0; k < ranges.n_planes; ++k)
+                if (const PixelBox& box = boxes[at(k)]; !box.is_empty()) sweep_box(k, box);
+        }
     return volume;
 }
 
@@ -236,20 +295,21 @@ void choose_planes(const CostVolume& volume, const std::vector<std::int16_t>& su
 }
 
 DepthMap depth_map(const std::vector<SweptView>& views, std::size_t i, const VisualHull& hull,
-                   const SweepOptions& options) {
+                   const std::optional<CoarseDepth>& coarse, const SweepOptions& options) {
     const SweptView& reference = views[i];
-    const int w = reference.level->width, h = reference.level->height;
+    const int w = reference.grey.width, h = reference.grey.height;
     DepthMap map;
-    map.P = reference.level->P;
+    map.P = reference.P;
     map.inverse_depth = Image<float>(w, h, 0.0f);
     map.agreement = Image<float>(w, h, 0.0f);
     const Vec3 middle = 0.5 * (hull.lower + hull.upper);
     const auto neighbours = neighbours_of(views, i, middle, options);
-    if (neighbours.empty()) return map;
+    if (neighbours.empty() || w < 2 || h < 2) return map;
     const double step = plane_step(reference, neighbours, middle);
     if (!(step > 0)) return map;  // the hull's middle lies beside a camera
 
-    const PlaneRanges ranges = plane_ranges(reference, hull, step);
+    PlaneRanges ranges = plane_ranges(reference, hull, step);
+    if (coarse) narrow(ranges, reference.box, *coarse);
     map.step = ranges.step;
     MaskImage mask(w, h);
     for (std::size_t p = 0; p < mask.pixels.size(); ++p) mask.pixels[p] = std::isnan(reference.grey.pixels[p]) ? 0 : 1;
@@ -261,10 +321,21 @@ DepthMap depth_map(const std::vector<SweptView>& views, std::size_t i, const Vis
 }  // namespace
 
 std::vector<DepthMap> plane_sweep(const PhotoImages& images, const VisualHull& hull, const SweepOptions& options) {
-    const auto views = views_at(images, choose_level(images, options.most_object_px));
-    std::vector<DepthMap> maps(views.size());
-    parallel_for(
-        maps.size(), [&](std::size_t i) { maps[i] = depth_map(views, i, hull, options); }, 1);
+    const int level = choose_level(images, options.most_object_px);
+    std::vector<SweptView> views;
+    std::vector<DepthMap> maps;
+    for (int l = std::min(level + 1, images.n_levels() - 1); l >= level; --l) {
+        const std::vector<SweptView> coarse_views = std::exchange(views, views_at(images, l));
+        const std::vector<DepthMap> coarse_maps = std::exchange(maps, std::vector<DepthMap>(views.size()));
+        parallel_for(
+            maps.size(),
+            [&](std::size_t i) {
+                std::optional<CoarseDepth> coarse;
+                if (!coarse_maps.empty()) coarse.emplace(coarse_views[i].box, coarse_maps[i]);
+                maps[i] = depth_map(views, i, hull, coarse, options);
+            },
+            1);
+    }
     return maps;
 }
 

@@ -17,7 +17,7 @@ struct SweepOptions {
 
 /// How far away the object is at every pixel of one view.
 struct DepthMap {
-    Mat34 P = Mat34::Zero();     ///< of the level swept
+    Mat34 P = Mat34::Zero();     ///< to the pixels of the images below, which show no more than the object
     double step = 0;             ///< of inverse depth, that is one pixel of disparity in the widest neighbour
     Image<float> inverse_depth;  ///< along the optical axis, 1 / world units; 0 where nothing is known
     Image<float> agreement;      ///< of the images there, 0 to 1: the mean squared correlation of the windows
@@ -25,7 +25,8 @@ struct DepthMap {
 
 /// Sweeps planes parallel to the image through the visual hull, view by view: each plane carries the neighbouring views
 /// into this one, where windows are compared by normalised cross-correlation and the better half of the neighbours
-/// counts (the others may not see the point). Semi-global matching chooses among the planes.
+/// counts (the others may not see the point). Semi-global matching chooses among the planes: of all that meet the hull at
+/// half the resolution, then of those near what was chosen there.
 /// Source: Collins 1996, "A space-sweep approach to true multi-image matching"; correlation over windows with best-half
 /// selection as in Kang, Szeliski, Chai 2001, "Handling occlusions in dense multi-view stereo".
 /// @return one map a view; a view without neighbours at a fitting angle has an empty one

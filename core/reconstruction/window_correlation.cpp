@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/vector_clones.h"
+
 namespace anyrate {
 namespace {
 
@@ -14,18 +16,6 @@ constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 // What is summed over a window, a being the reference and b the other view: 1, a, a^2, b, b^2, a b.
 enum Sum : std::size_t { count, a, aa, b, bb, ab, n_sums };
 
-// Bilinear; unknown if any of the four pixels is.
-float interpolate(const Image<float>& image, float x, float y) {
-    if (!(x >= 0.0f && y >= 0.0f && x < static_cast<float>(image.width - 1) &&
-          y < static_cast<float>(image.height - 1)))
-        return unknown;
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
-    const float* top = image.pixels.data() + at(y0) * at(image.width) + at(x0);
-    const float* bottom = top + image.width;
-    const float upper = top[0] + u * (top[1] - top[0]);
-    return upper + v * (bottom[0] + u * (bottom[1] - bottom[0]) - upper);
-}
 
 }  // namespace
 
@@ -59,27 +49,44 @@ const Image<float>& WindowCorrelation::correlate(const Image<float>& other, cons
     return correlation_;
 }
 
+// Bilinear, along the row; unknown where any of the four pixels is. Without branches, so that it vectorises.
+ANYRATE_VECTOR_CLONES
 void WindowCorrelation::carry_row(const Image<float>& other, const Parallax& parallax, double inverse_depth,
                                   const PixelBox& box, int y) {
-    const Vec3 start = parallax.A * Vec3(box.x0 - radius_, y, 1) + inverse_depth * parallax.b;
-    const Vec3 step = parallax.A.col(0);
-    for (std::size_t i = 0; i < pitch_; ++i) {
-        const Vec3 x = start + static_cast<double>(i) * step;
-        const auto inverse_z = static_cast<float>(1.0 / x.z());
-        carried_[i] = x.z() > 0.0 ? interpolate(other, static_cast<float>(x.x()) * inverse_z,
-                                                static_cast<float>(x.y()) * inverse_z)
-                                  : unknown;
+    const Eigen::Vector3f start =
+        (parallax.A * Vec3(box.x0 - radius_, y, 1) + inverse_depth * parallax.b).cast<float>();
+    const Eigen::Vector3f step = parallax.A.col(0).cast<float>();
+    const auto right = static_cast<float>(other.width - 1), bottom = static_cast<float>(other.height - 1);
+    const int row = other.width, n = static_cast<int>(pitch_);
+    const float* const pixels = other.pixels.data();
+    float* const carried = carried_.data();
+#pragma GCC ivdep  // the row carried is not among the pixels
+    for (int i = 0; i < n; ++i) {
+        const auto along = static_cast<float>(i);
+        const float z = start.z() + along * step.z(), inverse_z = 1.0f / z;
+        const float u = (start.x() + along * step.x()) * inverse_z, v = (start.y() + along * step.y()) * inverse_z;
+        const bool inside = (z > 0.0f) & (u >= 0.0f) & (v >= 0.0f) & (u < right) & (v < bottom);
+        const float px = inside ? u : 0.0f, py = inside ? v : 0.0f;
+        const int x0 = static_cast<int>(px), y0 = static_cast<int>(py);
+        const float fx = px - static_cast<float>(x0), fy = py - static_cast<float>(y0);
+        const int p = y0 * row + x0;
+        const float upper = pixels[p] + fx * (pixels[p + 1] - pixels[p]);
+        const float lower = pixels[p + row] + fx * (pixels[p + row + 1] - pixels[p + row]);
+        carried[i] = upper + fy * (lower - upper) + (inside ? 0.0f : unknown);
     }
 }
 
 // Replaces the oldest row in the sums over columns.
+ANYRATE_VECTOR_CLONES
 void WindowCorrelation::enter_row(const PixelBox& box, int y, std::size_t slot) {
     float* row = rows_.data() + slot * n_sums * pitch_;
     for (std::size_t i = 0; i < n_sums * pitch_; ++i) columns_[i] -= row[i];
-    const float* reference = &reference_(box.x0, y + radius_);
+    const float *reference = &reference_(box.x0, y + radius_), *carried = carried_.data();
+#pragma GCC ivdep  // the six sums do not overlap
     for (std::size_t i = 0; i < pitch_; ++i) {
-        const bool known = !std::isnan(reference[i]) && !std::isnan(carried_[i]);
-        const float va = known ? reference[i] : 0.0f, vb = known ? carried_[i] : 0.0f;
+        const float ri = reference[i], ci = carried[i];
+        const bool known = (ri == ri) & (ci == ci);  // neither is NaN
+        const float va = known ? ri : 0.0f, vb = known ? ci : 0.0f;
         row[Sum::count * pitch_ + i] = known ? 1.0f : 0.0f;
         row[Sum::a * pitch_ + i] = va;
         row[Sum::aa * pitch_ + i] = va * va;
@@ -90,6 +97,7 @@ void WindowCorrelation::enter_row(const PixelBox& box, int y, std::size_t slot) 
     for (std::size_t i = 0; i < n_sums * pitch_; ++i) columns_[i] += row[i];
 }
 
+ANYRATE_VECTOR_CLONES
 void WindowCorrelation::correlate_row(const PixelBox& box, int y, std::size_t middle_slot) {
     const std::size_t width = at(box.x1 - box.x0), side = at(2 * radius_ + 1);
     for (std::size_t s = 0; s < n_sums; ++s) {
