@@ -75,7 +75,7 @@ void optimise_coarse_to_fine(PhotoBackend& backend, Silhouettes& silhouettes, co
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
         options.level = level;
-        options.rounds = level == 0 ? 5 : 4;
+        options.rounds = level == 0 ? 4 : 2;
         if (level > 0) options.silhouette_reach_px = 8.0;  // contours are still on their way
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, is_guessed, options, stop);
         progress(1.0 - static_cast<double>(level) / (first + 1));

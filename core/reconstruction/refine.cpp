@@ -263,7 +263,9 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const std::vector<double> scores = split_scores(mesh, now.terms, guessed.vertices(mesh), is_rejected, options);
         const int n_splits = batch_size(state.n_vertices(), options);
         // Of so few that the images may bear none of them out, more are tried than taken.
-        const int n_tried = options.by_area ? n_splits : std::max(n_splits, fewest_tried);
+        const bool is_last = state.n_vertices() + 3 * (n_splits + 1) > options.n_vertices;
+        const int n_more = is_last ? n_splits / 4 : 0;  // so that no crumb is left over
+        const int n_tried = options.by_area ? n_splits : std::max(n_splits + n_more, fewest_tried);
         const std::vector<std::int32_t> batch = select_batch(state, scores, n_tried);
         if (batch.empty()) break;
         const Targets targets = optimise_batch(state, batch, backend, silhouettes, guessed, options, stop);
