@@ -1,0 +1,26 @@
+import { DecodeError } from "./decode-error.js";
+import type { DracoDecoder } from "./draco.js";
+import type { Header } from "./header.js";
+import type { IntegerMesh } from "./integer-mesh.js";
+import { maxBaseVerticesPerByte } from "./limits.js";
+
+/**
+ * The coarse mesh of a base frame, in grid units (proto/FORMAT.md, "Payloads"). Whether it is closed is for
+ * RefinableMesh to check.
+ * @throws DecodeError if it has not the counts of the header, or leaves the grid
+ */
+export function decodeBase(payload: Uint8Array, header: Header, draco: DracoDecoder): IntegerMesh {
+    const { nBaseVertices, nBaseFaces, grid } = header;
+    if (nBaseVertices > maxBaseVerticesPerByte * payload.length) {
+        throw new DecodeError(`base: ${payload.length} bytes cannot hold ${nBaseVertices} vertices`);
+    }
+    const base = draco.decodeMesh(payload, nBaseVertices, nBaseFaces);
+    const limit = 2 ** (grid.bits - grid.baseShift);
+    const positions = base.positions.map((x, i) => {
+        if (x < 0 || x >= limit) {
+            throw new DecodeError(`base vertex ${Math.floor(i / 3)}: expected 0 to ${limit - 1}, got ${x}`);
+        }
+        return x << grid.baseShift;
+    });
+    return { positions, triangles: base.triangles };
+}
