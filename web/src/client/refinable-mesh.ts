@@ -1,0 +1,326 @@
+// The operation of proto/FORMAT.md, step by step; the numbers in the comments are its headings. Formulas are written out
+// component by component: each rounding is that of FORMAT.md, "Arithmetic", and nothing is allocated.
+// PN triangles: Vlachos, Peters, Boyd, Mitchell, "Curved PN Triangles", 2001.
+import { ChangeMarks } from "./change-marks.js";
+import { DecodeError } from "./decode-error.js";
+import { withRoomFor } from "./growing-array.js";
+import { HalfedgeConnectivity } from "./halfedge-connectivity.js";
+import { next, prev } from "./halfedge.js";
+import type { IntegerMesh } from "./integer-mesh.js";
+import { RollingHash } from "./rolling-hash.js";
+import { UndoJournal } from "./undo-journal.js";
+
+const flipMark = 0x80000000;
+const newVertexSmoothing = 0.5;
+const ringVertexSmoothing = 0.25;
+
+/** Refinements in order: each splits a face and moves the three new vertices and six around it along their normals. */
+export interface SplitRecords {
+    /** One a split. */
+    readonly faces: Int32Array;
+    /** Three a split, in steps: the new vertices on edges c0c1, c1c2, c2c0. */
+    readonly residuals: Int32Array;
+    /** Six a split, in steps: corners c0 c1 c2, apexes a0 a1 a2. */
+    readonly updates: Int32Array;
+}
+
+/**
+ * A closed manifold triangle mesh on integer positions that only grows, by splits; vertex and face numbers never die.
+ * Both ends of the stream compute it bit for bit. Arrays may be longer than the mesh, and are replaced when it grows.
+ */
+export class RefinableMesh {
+    readonly connectivity: HalfedgeConnectivity;
+    /** x y z of each vertex, grid units. */
+    positions: Int32Array;
+    /** The two ends of the edge that each vertex was put on; of the base's vertices, twice the vertex itself. */
+    parents: Int32Array;
+    readonly changedVertices = new ChangeMarks();
+
+    private readonly gridSize: number;
+    private readonly stepRatio: number;
+    private readonly hash = new RollingHash();
+    private readonly moves = new UndoJournal();
+    private readonly site = new Int32Array(6);
+    /** Of the vertex that measureRing() was last called with: centroid of its neighbours minus itself, unit normal. */
+    private readonly centroidOffset = new Float64Array(3);
+    private readonly normal = new Float64Array(3);
+    /** Unit normals of three vertices. */
+    private readonly normals = new Float64Array(9);
+
+    /**
+     * @param base on a grid of 2^gridBits positions an axis
+     * @throws DecodeError if it is not a closed consistently oriented manifold
+     */
+    constructor(base: IntegerMesh, gridBits: number, stepRatio: number) {
+        const nVertices = base.positions.length / 3;
+        this.connectivity = new HalfedgeConnectivity(nVertices, base.triangles);
+        this.positions = base.positions.slice();
+        this.parents = new Int32Array(2 * nVertices).map((_, i) => i >> 1);
+        this.gridSize = 2 ** gridBits;
+        this.stepRatio = stepRatio;
+        for (const x of base.positions) this.hash.mix(x);
+        for (const v of base.triangles) this.hash.mix(v);
+        this.changedVertices.reserve(nVertices);
+        for (let v = 0; v < nVertices; ++v) this.changedVertices.mark(v);
+    }
+
+    get nVertices(): number {
+        return this.connectivity.nVertices;
+    }
+    get nFaces(): number {
+        return this.connectivity.nFaces;
+    }
+    /** Rolling hash over the base and every split, vertex write and flip since (proto/FORMAT.md, "State hash"). */
+    get stateHash(): number {
+        return this.hash.value;
+    }
+
+    /**
+     * Replays record i.
+     * @throws DecodeError if the face cannot be split or a vertex would leave the grid: the mesh is then as before
+     */
+    apply(records: SplitRecords, i: number): void {
+        const { connectivity, site } = this;
+        const { nVertices, nFaces } = connectivity;
+        const face = records.faces[i];
+        if (!connectivity.splitSite(face, site)) throw new DecodeError(`face ${face} of ${nFaces} cannot be split`);
+        const hashBefore = this.hash.value;
+        this.resize(nVertices + 3);
+        try {
+            this.refine(face, records, i);
+        } catch (error) {
+            this.moves.undo();
+            connectivity.rollBack(nVertices, nFaces);
+            this.hash.value = hashBefore;
+            throw error;
+        }
+        this.moves.clear();
+        connectivity.commit();
+    }
+
+    private refine(face: number, { residuals, updates }: SplitRecords, record: number): void {
+        const { connectivity, site } = this;
+        const V = connectivity.nVertices;
+        const step = this.scalarStep();
+        this.hash.mix(face);
+        this.predict(V); // 1
+        connectivity.split(face, site); // 2
+        for (let pass = 0; pass < 2; ++pass) {
+            for (let i = 0; i < 3; ++i) this.flipAround(V + i); // 3
+        }
+        for (let i = 0; i < 3; ++i) this.smooth(V + i, newVertexSmoothing); // 4
+
+        for (let i = 0; i < 3; ++i) {
+            if (residuals[3 * record + i] !== 0) this.measureNormal(V + i, i); // 5: all three before any moves
+        }
+        for (let i = 0; i < 3; ++i) this.move(V + i, residuals[3 * record + i], step, i);
+
+        for (let i = 0; i < 6; ++i) {
+            const update = updates[6 * record + i];
+            this.smooth(site[i], ringVertexSmoothing); // 6
+            if (update !== 0) this.measureNormal(site[i], 0);
+            this.move(site[i], update, step, 0);
+        }
+    }
+
+    /** The step of the face's scalars, grid units (proto/FORMAT.md, "Step"). Only integers are compared. */
+    private scalarStep(): number {
+        const { positions, site, stepRatio } = this;
+        let sum = 0;
+        for (let i = 0; i < 3; ++i) {
+            const p = 3 * site[i];
+            const q = 3 * site[(i + 1) % 3];
+            for (let axis = 0; axis < 3; ++axis) {
+                const d = positions[q + axis] - positions[p + axis];
+                sum += d * d;
+            }
+        }
+        let step = 1;
+        for (let limit = 6 * stepRatio * stepRatio; sum >= limit; limit *= 4) step *= 2;
+        return step;
+    }
+
+    /** Puts vertices V, V + 1, V + 2 on the edge curves of the PN triangle of the site's corners. */
+    private predict(V: number): void {
+        const { positions, site, normals, parents } = this;
+        for (let i = 0; i < 3; ++i) this.measureNormal(site[i], i);
+        for (let i = 0; i < 3; ++i) {
+            const j = (i + 1) % 3;
+            const p = 3 * site[i];
+            const q = 3 * site[j];
+            const along = (n: number) =>
+                (positions[q] - positions[p]) * normals[n] +
+                (positions[q + 1] - positions[p + 1]) * normals[n + 1] +
+                (positions[q + 2] - positions[p + 2]) * normals[n + 2];
+            const atP = along(3 * i);
+            const atQ = along(3 * j);
+            const coordinate = (axis: number) =>
+                this.clamped(
+                    (positions[p + axis] + positions[q + axis]) * 0.5 -
+                        (atP * normals[3 * i + axis] - atQ * normals[3 * j + axis]) * 0.125,
+                );
+            this.write(V + i, coordinate(0), coordinate(1), coordinate(2));
+            parents[2 * (V + i)] = site[i];
+            parents[2 * (V + i) + 1] = site[j];
+        }
+    }
+
+    private flipAround(vertex: number): void {
+        const { connectivity } = this;
+        const first = connectivity.outgoing[vertex];
+        let spoke = first;
+        do {
+            const link = next(spoke);
+            if (this.wantsFlip(link)) {
+                connectivity.flip(link);
+                this.hash.mix(flipMark + link);
+            }
+            spoke = connectivity.twins[prev(spoke)];
+        } while (spoke !== first);
+    }
+
+    /** Whether the edge of h, from p to q between the corners m and s, gives way to one between m and s. */
+    private wantsFlip(h: number): boolean {
+        const { positions } = this;
+        const { corners, twins } = this.connectivity;
+        const t = twins[h];
+        const p = 3 * corners[h];
+        const q = 3 * corners[t];
+        const m = 3 * corners[prev(h)];
+        const s = 3 * corners[prev(t)];
+        const px = positions[p], py = positions[p + 1], pz = positions[p + 2];
+        const qx = positions[q], qy = positions[q + 1], qz = positions[q + 2];
+        const mx = positions[m], my = positions[m + 1], mz = positions[m + 2];
+        const sx = positions[s], sy = positions[s + 1], sz = positions[s + 2];
+
+        const dotM = (px - mx) * (qx - mx) + (py - my) * (qy - my) + (pz - mz) * (qz - mz);
+        const dotS = (px - sx) * (qx - sx) + (py - sy) * (qy - sy) + (pz - sz) * (qz - sz);
+        if (dotM >= 0 && dotS >= 0) return false; // no angle above 90 degrees: the sum below cannot be negative
+
+        // a = cross(p - m, q - m), b = cross(p - s, q - s): normals of the two faces, b turned away
+        const ax = (py - my) * (qz - mz) - (pz - mz) * (qy - my);
+        const ay = (pz - mz) * (qx - mx) - (px - mx) * (qz - mz);
+        const az = (px - mx) * (qy - my) - (py - my) * (qx - mx);
+        const bx = (py - sy) * (qz - sz) - (pz - sz) * (qy - sy);
+        const by = (pz - sz) * (qx - sx) - (px - sx) * (qz - sz);
+        const bz = (px - sx) * (qy - sy) - (py - sy) * (qx - sx);
+        const sineM = Math.sqrt(ax * ax + ay * ay + az * az);
+        const sineS = Math.sqrt(bx * bx + by * by + bz * bz);
+        if (!(dotM * sineS + dotS * sineM < 0)) return false;
+
+        // N = cross(q - p, m - p) + cross(p - q, s - q); the first is a, the second -b, both sums of exact integers.
+        const nx = ax - bx, ny = ay - by, nz = az - bz;
+        // cross(p - m, s - m) and cross(q - s, m - s): normals of the two faces that the flip would make
+        const cx = (py - my) * (sz - mz) - (pz - mz) * (sy - my);
+        const cy = (pz - mz) * (sx - mx) - (px - mx) * (sz - mz);
+        const cz = (px - mx) * (sy - my) - (py - my) * (sx - mx);
+        const dx = (qy - sy) * (mz - sz) - (qz - sz) * (my - sy);
+        const dy = (qz - sz) * (mx - sx) - (qx - sx) * (mz - sz);
+        const dz = (qx - sx) * (my - sy) - (qy - sy) * (mx - sx);
+        return cx * nx + cy * ny + cz * nz > 0 && dx * nx + dy * ny + dz * nz > 0 && this.connectivity.canFlip(h);
+    }
+
+    /** Fills centroidOffset and normal. Sums of integers below 2^53 are exact, so the ring's order does not matter. */
+    private measureRing(vertex: number): void {
+        const { positions, centroidOffset, normal } = this;
+        const { corners, twins, outgoing, valences } = this.connectivity;
+        const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
+        const first = outgoing[vertex];
+        const start = 3 * corners[next(first)];
+        let ax = positions[start] - x, ay = positions[start + 1] - y, az = positions[start + 2] - z;
+        let nx = 0, ny = 0, nz = 0;
+        let sumX = 0, sumY = 0, sumZ = 0;
+        let spoke = first;
+        do {
+            const back = prev(spoke);
+            const r = 3 * corners[back];
+            const bx = positions[r] - x, by = positions[r + 1] - y, bz = positions[r + 2] - z;
+            nx += ay * bz - az * by;
+            ny += az * bx - ax * bz;
+            nz += ax * by - ay * bx;
+            sumX += bx;
+            sumY += by;
+            sumZ += bz;
+            ax = bx;
+            ay = by;
+            az = bz;
+            spoke = twins[back];
+        } while (spoke !== first);
+
+        const k = valences[vertex];
+        centroidOffset[0] = (sumX + k * x) / k - x;
+        centroidOffset[1] = (sumY + k * y) / k - y;
+        centroidOffset[2] = (sumZ + k * z) / k - z;
+        if (nx === 0 && ny === 0 && nz === 0) {
+            normal[0] = 0;
+            normal[1] = 0;
+            normal[2] = 1;
+        } else {
+            const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
+            normal[0] = nx / length;
+            normal[1] = ny / length;
+            normal[2] = nz / length;
+        }
+    }
+
+    /** Puts the unit normal of a vertex into slot 0, 1 or 2 of `normals`. */
+    private measureNormal(vertex: number, slot: number): void {
+        this.measureRing(vertex);
+        this.normals.set(this.normal, 3 * slot);
+    }
+
+    private smooth(vertex: number, weight: number): void {
+        this.measureRing(vertex);
+        const { positions, centroidOffset: d, normal: n } = this;
+        const height = d[0] * n[0] + d[1] * n[1] + d[2] * n[2];
+        const coordinate = (axis: number) =>
+            this.clamped(positions[3 * vertex + axis] + weight * (d[axis] - height * n[axis]));
+        this.write(vertex, coordinate(0), coordinate(1), coordinate(2));
+    }
+
+    /** Moves a vertex along the normal in a slot. @throws DecodeError if it would leave the grid */
+    private move(vertex: number, scalar: number, step: number, slot: number): void {
+        const { positions, normals, gridSize } = this;
+        const p = 3 * vertex;
+        if (scalar === 0) {
+            this.write(vertex, positions[p], positions[p + 1], positions[p + 2]);
+            return;
+        }
+        const distance = scalar * step;
+        const x = round(positions[p] + distance * normals[3 * slot]);
+        const y = round(positions[p + 1] + distance * normals[3 * slot + 1]);
+        const z = round(positions[p + 2] + distance * normals[3 * slot + 2]);
+        if (!(x >= 0 && x < gridSize && y >= 0 && y < gridSize && z >= 0 && z < gridSize)) {
+            throw new DecodeError(`a split: expected vertex ${vertex} on the grid, the scalar ${scalar} takes it off`);
+        }
+        this.write(vertex, x, y, z);
+    }
+
+    /** Rounded to the grid. */
+    private clamped(x: number): number {
+        return Math.min(Math.max(round(x), 0), this.gridSize - 1);
+    }
+
+    private write(vertex: number, x: number, y: number, z: number): void {
+        const { positions, moves, hash } = this;
+        moves.set(positions, 3 * vertex, x);
+        moves.set(positions, 3 * vertex + 1, y);
+        moves.set(positions, 3 * vertex + 2, z);
+        hash.mix(vertex);
+        hash.mix(x);
+        hash.mix(y);
+        hash.mix(z);
+        this.changedVertices.mark(vertex);
+    }
+
+    private resize(nVertices: number): void {
+        this.positions = withRoomFor(3 * nVertices, this.positions);
+        this.parents = withRoomFor(2 * nVertices, this.parents);
+        this.changedVertices.reserve(nVertices);
+    }
+}
+
+/** The nearest integer, halves up. */
+function round(x: number): number {
+    return Math.floor(x + 0.5);
+}
