@@ -1,0 +1,98 @@
+// Logs of real size: made by the C++ program, read here, compared with what the C++ reader makes of them. Needs a built
+// `anyrate` (ANYRATE, or build/anyrate), and for the second capture the shared ones (ANYRATE_SHARED, or ../shared).
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import test from "node:test";
+import { fileURLToPath } from "node:url";
+
+import { decodeLog, frameTypeName } from "../src/client/index.js";
+import type { Budget, ProgressiveMesh } from "../src/client/index.js";
+import { draco, repository } from "./golden.js";
+
+const program = process.env["ANYRATE"] ?? fileURLToPath(new URL("build/anyrate", repository));
+const shared = process.env["ANYRATE_SHARED"] ?? fileURLToPath(new URL("../shared", repository));
+const sharedCapture = join(shared, "data", "nefertiti");
+
+function anyrate(...words: string[]): string {
+    return execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+}
+
+/** The bytes behind the header of the file that `anyrate decode` would write for this mesh. */
+function plyBody(mesh: ProgressiveMesh): Uint8Array {
+    const body = new Uint8Array(15 * mesh.nVertices + 13 * mesh.nFaces);
+    const view = new DataView(body.buffer);
+    let at = 0;
+    const world = mesh.worldPositions();
+    for (let v = 0; v < mesh.nVertices; ++v, at += 3) {
+        for (let axis = 0; axis < 3; ++axis, at += 4) view.setFloat32(at, world[3 * v + axis], true);
+        body.set(mesh.colours.subarray(3 * v, 3 * v + 3), at);
+    }
+    for (let f = 0; f < mesh.nFaces; ++f) {
+        body[at++] = 3;
+        for (let i = 0; i < 3; ++i, at += 4) view.setUint32(at, mesh.triangles[3 * f + i], true);
+    }
+    return body;
+}
+
+function bodyOfPly(file: string): Uint8Array {
+    const bytes = readFileSync(file);
+    const end = "end_header\n";
+    return new Uint8Array(bytes.subarray(bytes.indexOf(end) + end.length));
+}
+
+function compareReaders(folder: string, capture: string): void {
+    const model = join(folder, "model.arl");
+    anyrate("reconstruct", capture, "-o", model, "--coarse", "600", "--vertices", "4000", "--quiet");
+    const log = new Uint8Array(readFileSync(model));
+
+    const { layout } = decodeLog(log, draco); // checks every checksum and state hash
+    const listed = JSON.parse(anyrate("info", model, "--json"));
+    assert.deepEqual(
+        layout.frames.map((frame) => [frameTypeName(frame.type), frame.nVerticesAfter, frame.end]),
+        listed.frames.map((frame: Record<string, unknown>) => [frame["type"], frame["vertices"], frame["end"]]),
+    );
+
+    const middle = layout.index[layout.index.length >> 1];
+    const budgets: Budget[] = [
+        ...[1, 600, 777, 1500, 1501, 2222, 4000, 100000].map((vertices) => ({ vertices })),
+        { bytes: 1 },
+        { bytes: Math.round(log.length / 2) },
+        { distortion: middle.meanDistortion },
+        { distortion: 0 },
+    ];
+    for (const budget of budgets) {
+        const [[option, value]] = Object.entries(budget);
+        const mesh = join(folder, "mesh.ply");
+        anyrate("decode", model, "-o", mesh, `--${option}`, String(value));
+        assert.deepEqual(plyBody(decodeLog(log, draco, budget).mesh), bodyOfPly(mesh), `${option} ${value}`);
+    }
+}
+
+function inScratchFolder(use: (folder: string) => void): void {
+    const folder = mkdtempSync(join(tmpdir(), "anyrate-web-"));
+    try {
+        use(folder);
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+}
+
+const noProgram = existsSync(program) ? false : `no program at ${program}`;
+const noCapture = existsSync(join(sharedCapture, "cameras.json")) ? false : `no capture at ${sharedCapture}`;
+
+test("Twin: C++ and JavaScript decode a simulated capture's log alike at every budget", { skip: noProgram }, () => {
+    inScratchFolder((folder) => {
+        const capture = join(folder, "capture");
+        anyrate("simulate", "--scene", "vessel", "-o", capture, "--views", "12", "--width", "200", "--height", "150");
+        compareReaders(folder, capture);
+    });
+});
+
+const noLog = noProgram || noCapture;
+
+test("Twin: C++ and JavaScript decode a shared capture's log alike at every budget", { skip: noLog }, () => {
+    inScratchFolder((folder) => compareReaders(folder, sharedCapture));
+});

@@ -1,0 +1,72 @@
+// The files of tests/golden, which the C++ and the TypeScript reader have in common, and what the tests do with them.
+import { readFileSync } from "node:fs";
+
+import { crc32c } from "../src/client/crc32c.js";
+import { frameHeaderSize } from "../src/client/frame.js";
+import { loadDraco3d, readLayout } from "../src/client/index.js";
+import type { ProgressiveMesh } from "../src/client/index.js";
+
+/** The root of the repository, seen from web/dist/tests. */
+export const repository = new URL("../../../", import.meta.url);
+
+export const draco = await loadDraco3d();
+
+/** Live form, the worked example of proto/FORMAT.md. */
+export const octahedron = readGolden("octahedron.arl");
+/** Sealed form, some hundred splits with colours. */
+export const icosphere = readGolden("icosphere.arl");
+
+/** What every reader must find at a vertex budget in icosphere.arl. */
+export interface Expectation {
+    readonly budget: number;
+    readonly vertices: number;
+    readonly faces: number;
+    readonly stateHash: number;
+    readonly positionsCrc: number;
+    readonly trianglesCrc: number;
+    readonly coloursCrc: number;
+}
+
+export const icosphereExpectations = JSON.parse(
+    new TextDecoder().decode(readGolden("icosphere.json")),
+) as readonly Expectation[];
+
+/** The same of a mesh. */
+export function found(budget: number, mesh: ProgressiveMesh): Expectation {
+    return {
+        budget,
+        vertices: mesh.nVertices,
+        faces: mesh.nFaces,
+        stateHash: mesh.stateHash,
+        positionsCrc: crcOfWords(mesh.positions),
+        trianglesCrc: crcOfWords(mesh.triangles),
+        coloursCrc: crc32c(mesh.colours),
+    };
+}
+
+/** A copy in which `change` has had its way, with checksums that hold again: what a hostile writer can send. */
+export function rewritten(log: Uint8Array, change: (copy: Uint8Array, view: DataView) => void): Uint8Array {
+    const { frames, header } = readLayout(log);
+    const copy = log.slice();
+    const view = new DataView(copy.buffer);
+    change(copy, view);
+    const tail = copy.subarray(96, header.headerBytes);
+    view.setUint32(92, crc32c(tail, crc32c(copy.subarray(0, 92))), true);
+    for (const { begin, end } of frames) {
+        const crc = crc32c(copy.subarray(begin + frameHeaderSize, end), crc32c(copy.subarray(begin, begin + 24)));
+        view.setUint32(begin + 24, crc, true);
+    }
+    return copy;
+}
+
+export function concatenated(...parts: readonly Uint8Array[]): Uint8Array {
+    return Uint8Array.from(parts.flatMap((part) => [...part]));
+}
+
+function readGolden(name: string): Uint8Array {
+    return new Uint8Array(readFileSync(new URL(`tests/golden/${name}`, repository)));
+}
+
+function crcOfWords(words: Int32Array | Uint32Array): number {
+    return crc32c(new Uint8Array(words.buffer, words.byteOffset, words.byteLength)); // little endian, as on the wire
+}
