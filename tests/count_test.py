@@ -23,6 +23,14 @@ class Count(unittest.TestCase):
         output = "Ran 9 tests in 0.1s\n\nFAILED (failures=1, errors=2, skipped=3)\n"
         self.assertEqual(counted("fail", output), (3, 3, 3))
 
+    def test_nodes_test_runner_counts_its_tests(self):
+        closing = "\n".join(["{0} tests 9", "{0} suites 0", "{0} pass {1}", "{0} fail {2}", "{0} cancelled {3}", "{0} skipped {4}",
+                             "{0} todo 0", "{0} duration_ms 17.5"]) + "\n"
+        self.assertEqual(counted("run", "> test\n" + closing.format("ℹ", 7, 0, 0, 2)), (7, 0, 2))
+        self.assertEqual(counted("run", closing.format("#", 9, 0, 0, 0)), (9, 0, 0))
+        self.assertEqual(counted("fail", closing.format("ℹ", 4, 2, 1, 2)), (4, 3, 2))
+        self.assertEqual(counted("fail", closing.format("ℹ", 9, 0, 0, 0)), (9, 1, 0))
+
     def test_any_other_test_counts_one(self):
         self.assertEqual(counted("run", "fine"), (1, 0, 0))
         self.assertEqual(counted("fail", "not fine"), (0, 1, 0))

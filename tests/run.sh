@@ -28,6 +28,11 @@ run_tests() {
     if [ -s "$report" ]; then reports+=("$report"); else broken=$((broken + 1)); fi
 }
 
+# npm ci deletes and fetches everything, so it runs only when the lock file is newer than what it left.
+web_packages() {
+    [ web/node_modules/.package-lock.json -nt web/package-lock.json ] || npm ci --prefix web --no-audit --no-fund
+}
+
 all_tests() {
     step "build" cmake --build build || return
     run_tests "tests" build
@@ -45,6 +50,7 @@ sanitized_tests() {
 }
 
 step "install" bash docker/install.sh || { echo "0 passed, 1 failed"; exit 1; }
+step "install web packages" web_packages
 mkdir -p build/reports
 rm -f build/reports/*.xml
 step "configure" cmake -S . -B build "${options[@]}" -DCMAKE_BUILD_TYPE=Release && all_tests
