@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { frameHeaderSize, hasIndexRow } from "../src/client/frame.js";
-import { DecodeError, decodeLog, FrameType, loadDraco3d, readLayout } from "../src/client/index.js";
+import { DecodeError, decodeLog, FrameType, loadDraco3d, ModelDecoder, readLayout } from "../src/client/index.js";
 import type { DecodedLog, DracoDecoder } from "../src/client/index.js";
 import { concatenated, draco, found, icosphere, octahedron, rewritten } from "./golden.js";
 
@@ -114,17 +114,48 @@ test("Hostile bytes: a payload's flipped bit under sound checksums is refused or
     }
 });
 
+/** Numbers 0 .. n - 1 without a pattern, the same in every run. */
+function pseudorandom(seed: number): (n: number) => number {
+    return (n) => Math.floor(((seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) / 2 ** 32) * n);
+}
+
 test("Hostile bytes: random payloads under sound checksums are refused", () => {
-    let seed = 1;
-    const random = () => (seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0) >>> 24;
+    const random = pseudorandom(1);
     const { frames } = readLayout(icosphere);
     const firstBehindDracoHeader = frameHeaderSize + 11;
     for (const frame of frames.filter(({ type }) => hasIndexRow(type)).slice(0, 40)) {
         const hostile = rewritten(icosphere, (bytes) => {
-            for (let i = frame.begin + firstBehindDracoHeader; i < frame.end; ++i) bytes[i] = random();
+            for (let i = frame.begin + firstBehindDracoHeader; i < frame.end; ++i) bytes[i] = random(256);
         });
         assert.equal(decodedOrRefused(hostile), undefined, `frame ${frame.sequence}`);
     }
+});
+
+/** What is left when a log has been fed in pieces of so many bytes, as far as it was not refused. */
+function stateAfter(log: Uint8Array, piece: number): unknown {
+    const decoder = new ModelDecoder(draco);
+    let refused: string | undefined;
+    try {
+        for (let i = 0; i < log.length; i += piece) decoder.feed(log.subarray(i, i + piece));
+    } catch (error) {
+        assert.ok(error instanceof DecodeError, String(error));
+        refused = error.message;
+        assert.throws(() => decoder.feed(new Uint8Array(0)), error, "every later call throws the same");
+    }
+    return { refused, ended: decoder.ended, mesh: decoder.mesh && found(0, decoder.mesh) };
+}
+
+test("Hostile bytes: a changed byte anywhere under sound checksums ends alike, fed at once or in pieces", () => {
+    const random = pseudorandom(2);
+    for (const [log, times] of [[octahedron, 500], [icosphere, 100]] as const) {
+        for (let i = 0; i < times; ++i) {
+            const [at, change] = [random(log.length), 1 + random(255)];
+            const hostile = rewritten(log, (bytes) => (bytes[at] ^= change));
+            const piece = 1 + random(400);
+            assert.deepEqual(stateAfter(hostile, piece), stateAfter(hostile, hostile.length), `byte ${at} ^ ${change}`);
+        }
+    }
+    decodeLog(octahedron, draco); // Draco has survived it: nothing was refused only because it had stopped
 });
 
 test("Hostile bytes: a frame whose state hash is another is refused", () => {
