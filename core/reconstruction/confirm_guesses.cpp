@@ -109,11 +109,15 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
                    return standings[at(w)] == Standing::guessed || agrees(w) || improves(w);
                });
     };
+    const auto is_hopeless = [&](std::int32_t v) {
+        return usual && before[at(v)] && after[at(v)] &&
+               std::min(*before[at(v)], *after[at(v)]) > options.hopeless * *usual;
+    };
     std::vector<char> is_guessed(standings.size(), 0);
     for (const std::int32_t v : active) {
         const bool settled = is_settled(v);
         if (settled) mesh.vertices[at(v)] = trial.vertices[at(v)];
-        is_guessed[at(v)] = !settled && standings[at(v)] == Standing::guessed;
+        is_guessed[at(v)] = !settled && (standings[at(v)] == Standing::guessed || is_hopeless(v));
     }
     fair(mesh, is_guessed, options.attachment);
     return surface_of(mesh, rings, is_guessed);

@@ -5,7 +5,9 @@
 
 #include "core/error.h"
 #include "core/mesh/decimate.h"
+#include "core/mesh/nearest_surface.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/subdivide.h"
 #include "core/reconstruction/confirm_guesses.h"
 #include "core/reconstruction/exposure.h"
 #include "core/reconstruction/flow.h"
@@ -18,7 +20,8 @@ namespace anyrate {
 namespace {
 
 constexpr int coarsest_level = 3;     ///< of the pyramid, where the coarse mesh starts to move
-constexpr int fitting_density = 3;    ///< coarse counts of vertices in the mesh that the coarse one is simplified from
+constexpr double even_density = 1.6;  ///< coarse counts of vertices in the even mesh, before it is subdivided
+constexpr int fewest_even = 1000;     ///< vertices of that mesh: fewer may not carry the surface
 constexpr double grid_margin = 0.04;  ///< of the largest extent, kept free on each side for vertices that move outward
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
@@ -67,17 +70,20 @@ BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
     return base;
 }
 
-/// Step 2 from the coarsest image level to the photographs themselves.
+/// Step 2 from the coarsest image level to the photographs themselves, for which each face becomes four: what a coarse
+/// level shows, a coarse mesh can follow. The finer mesh costs its time once and gains 8 to 15 % at every count that is
+/// simplified or refined from it (pot, 36 views: 0.076 % of the diagonal at 2,500 vertices without, 0.066 % with it).
 void optimise_coarse_to_fine(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
                              const std::function<void(double)>& progress, const std::stop_token& stop) {
-    const std::vector<char> is_guessed = guessed.vertices(mesh);
     const int first = std::min(coarsest_level, backend.n_levels() - 1);
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
         options.level = level;
         options.rounds = level == 0 ? 4 : 2;
         if (level > 0) options.silhouette_reach_px = 8.0;  // contours are still on their way
-        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, is_guessed, options, stop);
+        if (level == 0) mesh = subdivide(mesh);
+        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, guessed.vertices(mesh), options,
+                         stop);
         progress(1.0 - static_cast<double>(level) / (first + 1));
     }
 }
@@ -128,7 +134,8 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
-    Mesh mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : fitting_density * n_base});
+    const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
+    Mesh mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : n_even});
 
     // Step 2: mesh optimisation at a fixed rate.
     Silhouettes silhouettes(capture);
@@ -155,8 +162,9 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
             },
             stop);
         initial.guessed = confirm_guesses(*sampler, silhouettes, initial.guessed, mesh, {}, stop);
-        mesh = fit_base(*sampler, silhouettes, initial.guessed, mesh, n_base, stop);
     }
+    const NearestSurface fitted(mesh);
+    if (!fixed_rate) mesh = fit_base(*sampler, silhouettes, initial.guessed, mesh, n_base, stop);
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
@@ -171,7 +179,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     // Step 3: progressive refinement.
     if (fixed_rate) refinement.n_vertices = state.n_vertices();
     result.curve = refine(
-        state, *backend, silhouettes, images, initial.guessed, refinement, sink,
+        state, *backend, silhouettes, images, initial.guessed, fitted, refinement, sink,
         [&](const CurvePoint& point) {
             const double part = static_cast<double>(point.n_vertices - options.n_coarse) /
                                 std::max(1, options.n_vertices - options.n_coarse);

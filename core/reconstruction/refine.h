@@ -2,6 +2,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "core/mesh/nearest_surface.h"
 #include "core/progressive/model_sink.h"
 #include "core/reconstruction/guessed_surface.h"
 #include "core/reconstruction/photo_backend.h"
@@ -31,10 +32,12 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 /// will see. The state is always the decoded one (closed loop). Differs from the paper, which takes one triangle of
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
 /// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
+/// @param fitted  a finer surface that the images have been asked about already: new vertices start there, and where it
+///                leaves a face, a split is expected to pay even if the images, compared across the gap, do not say so
 /// @return the curve, the state's own point first
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
-                               const PhotoImages& images, const GuessedSurface& guessed, const RefineOptions& options,
-                               ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
+                               const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
+                               const RefineOptions& options, ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
                                const std::stop_token& stop);
 
 }  // namespace anyrate
