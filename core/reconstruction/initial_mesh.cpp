@@ -16,9 +16,10 @@
 namespace anyrate {
 namespace {
 
-// Three pixels, as long as memory for the grid stays in bounds: three floats a node, and a seventh of it for the coarser
-// grids. Measured against the hull's own two pixels: the final errors of nefertiti, pot and bowl are the same within
-// 3 %, oxford_dinosaur keeps its fingers and loses false handles, and all until the coarse mesh takes 2 s less (bowl).
+// Three pixels, as long as memory for the grid stays in bounds: three floats a node, and a seventh of it for the
+// coarser grids. Measured against the hull's own two pixels: the final errors of nefertiti, pot and bowl are the same
+// within 3 %, oxford_dinosaur keeps its fingers and loses false handles, and all until the coarse mesh takes 2 s less
+// (bowl).
 double poisson_spacing(const VisualHull& hull) {
     constexpr double hull_cells = 1.5;
     constexpr double most_nodes = 256.0 * 256.0 * 256.0;

@@ -82,7 +82,8 @@ Image<float> render_inverse_depth(int width, int height, std::span<const ScreenV
                                   std::span<const Triangle> triangles) {
     Image<float> inverse_depth(width, height, 0.0F);
     if (width < lanes) return inverse_depth;  // no image of an object is so narrow
-    for (const Triangle& t : triangles) rasterise(vertices[at(t[0])], vertices[at(t[1])], vertices[at(t[2])], inverse_depth);
+    for (const Triangle& t : triangles)
+        rasterise(vertices[at(t[0])], vertices[at(t[1])], vertices[at(t[2])], inverse_depth);
     return inverse_depth;
 }
 

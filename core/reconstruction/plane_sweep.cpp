@@ -37,7 +37,8 @@ PixelBox box_of_object(const PhotoLevel& level) {
     return box;
 }
 
-// Brightness within a box; unknown where a pixel is not the object's alone, so that what is interpolated from it is too.
+// Brightness within a box; unknown where a pixel is not the object's alone, so that what is interpolated from it is
+// too.
 Image<float> brightness(const PhotoLevel& level, const PixelBox& box) {
     Image<float> grey(box.x1 - box.x0, box.y1 - box.y0, unknown);
     for (int y = box.y0; y < box.y1; ++y)
@@ -75,8 +76,8 @@ int choose_level(const PhotoImages& images, int most_object_px) {
 std::vector<SweptView> views_at(const PhotoImages& images, int level) {
     std::vector<SweptView> views(images.views.size());
     parallel_for(
-        views.size(),
-        [&](std::size_t i) { views[i] = swept_view(images.views[i], images.views[i].levels[at(level)]); }, 1);
+        views.size(), [&](std::size_t i) { views[i] = swept_view(images.views[i], images.views[i].levels[at(level)]); },
+        1);
     return views;
 }
 

@@ -25,10 +25,10 @@ struct DepthMap {
 
 /// Sweeps planes parallel to the image through the visual hull, view by view: each plane carries the neighbouring views
 /// into this one, where windows are compared by normalised cross-correlation and the better half of the neighbours
-/// counts (the others may not see the point). Semi-global matching chooses among the planes: of all that meet the hull at
-/// half the resolution, then of those near what was chosen there.
-/// Source: Collins 1996, "A space-sweep approach to true multi-image matching"; correlation over windows with best-half
-/// selection as in Kang, Szeliski, Chai 2001, "Handling occlusions in dense multi-view stereo".
+/// counts (the others may not see the point). Semi-global matching chooses among the planes: of all that meet the hull
+/// at half the resolution, then of those near what was chosen there. Source: Collins 1996, "A space-sweep approach to
+/// true multi-image matching"; correlation over windows with best-half selection as in Kang, Szeliski, Chai 2001,
+/// "Handling occlusions in dense multi-view stereo".
 /// @return one map a view; a view without neighbours at a fitting angle has an empty one
 std::vector<DepthMap> plane_sweep(const PhotoImages& images, const VisualHull& hull, const SweepOptions& options = {});
 

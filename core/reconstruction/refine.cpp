@@ -21,7 +21,7 @@ constexpr double largest_scalar = 40;
 constexpr double most_offset_edges = 0.5;  ///< a fitted surface farther off is another part of the object
 constexpr double most_offset_px = 1.0;     ///< that a split is credited with: beyond, phi is no parabola
 
-constexpr int most_attempts = 3;  ///< to make a batch lower Psi by leaving splits out
+constexpr int most_attempts = 3;       ///< to make a batch lower Psi by leaving splits out
 constexpr double spare_splits = 0.25;  ///< tried beyond those taken, in parts of a batch; nefertiti at 5,000: -5 %
 constexpr int fewest_tried = 40;       ///< splits of a batch
 constexpr int most_refusals = 4;  ///< batches refused in a row before one is taken as it is: the count has to be met
@@ -298,16 +298,16 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
-                               const RefineOptions& options, ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
-                               const std::stop_token& stop) {
+                               const RefineOptions& options, ModelSink& sink,
+                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop) {
     StateDistortion now = measure_state(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     std::vector<char> is_rejected;  // faces whose split the images did not bear out
     for (int n_refusals = 0; state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested();) {
         const Mesh mesh = state.to_mesh();
         is_rejected.resize(mesh.triangles.size(), 0);
-        const std::vector<double> scores = split_scores(
-            mesh, now.terms, guessed.vertices(mesh), is_rejected, fitted, backend, options);
+        const std::vector<double> scores =
+            split_scores(mesh, now.terms, guessed.vertices(mesh), is_rejected, fitted, backend, options);
         const int n_splits = batch_size(state.n_vertices(), options);
         // More are tried than taken: the images bear some out better than was expected, others not at all.
         const auto n_spare = static_cast<int>(spare_splits * n_splits);

@@ -37,7 +37,7 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 /// @return the curve, the state's own point first
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
-                               const RefineOptions& options, ModelSink& sink, const std::function<void(const CurvePoint&)>& progress,
-                               const std::stop_token& stop);
+                               const RefineOptions& options, ModelSink& sink,
+                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop);
 
 }  // namespace anyrate

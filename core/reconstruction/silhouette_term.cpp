@@ -120,7 +120,8 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
 
 void Silhouettes::look(const SurfaceView& surface) {
     parallel_for(
-        views_.size(), [&](std::size_t i) { views_[i].coverage = render_inverse_depth(views_[i].coverage_level, surface); }, 1);
+        views_.size(),
+        [&](std::size_t i) { views_[i].coverage = render_inverse_depth(views_[i].coverage_level, surface); }, 1);
 }
 
 bool Silhouettes::is_covered(const View& view, const Vec2& pixel) {
@@ -167,9 +168,8 @@ std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const
     parallel_for(vertices.size(), [&](std::size_t i) {
         const std::int32_t v = vertices[i];
         for (const View& view : views_) {
-            const SilhouetteTerm term =
-                term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
-                        [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
+            const SilhouetteTerm term = term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
+                                                [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
             result[i].energy += term.energy;
             result[i].gradient += term.gradient;
             result[i].hessian += term.hessian;

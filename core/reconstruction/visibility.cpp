@@ -175,8 +175,8 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
     parallel_for(faces.size(), [&](std::size_t i) {
         double squared = std::numeric_limits<double>::infinity();
         for (const PhotoView& view : images.views)
-            squared = std::min(squared,
-                               (planes[i].centroid - view.centre).squaredNorm() / (view.focal_px * view.focal_px));
+            squared =
+                std::min(squared, (planes[i].centroid - view.centre).squaredNorm() / (view.focal_px * view.focal_px));
         pixel_size_[at(faces[i])] = std::sqrt(squared);
     });
 }

@@ -48,7 +48,7 @@ private:
     int level_ = 0;                            ///< of the pyramid, at which depth is rendered
     float scale_ = 1;                          ///< of its pixels
     std::vector<Image<float>> inverse_depth_;  ///< per view; 0 where there is no surface
-    std::vector<float> slope_;                 ///< per face: depth tolerance as a part of depth, the largest over its views
+    std::vector<float> slope_;  ///< per face: depth tolerance as a part of depth, the largest over its views
     std::vector<std::size_t> begin_;
     std::vector<FaceView> face_views_;
     std::vector<double> mean_area_px_, pixel_size_;

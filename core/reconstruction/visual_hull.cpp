@@ -39,9 +39,9 @@ int least_views(const Cones& cones) {
         std::count_if(cones.begin(), cones.end(), [](const auto& cone) { return cone.is_complete(); });
     return n_complete >= 2 ? 2 : std::max(2, static_cast<int>(cones.size()) / 3);
 }
+
 // The hull as the negative part of a function: the largest signed distance to the cones of the views that say something
 // about the point.
-// point.
 class HullField {
 public:
     HullField(const Cones& cones, double largest) : least_views_(least_views(cones)), largest_(largest) {

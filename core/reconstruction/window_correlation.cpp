@@ -16,7 +16,6 @@ constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 // What is summed over a window, a being the reference and b the other view: 1, a, a^2, b, b^2, a b.
 enum Sum : std::size_t { count, a, aa, b, bb, ab, n_sums };
 
-
 }  // namespace
 
 void PixelBox::extend(int x, int y) {

@@ -61,8 +61,8 @@ Sight::Sight(const Capture& capture, const Mesh& surface)
     : tolerance_(tolerance_part * bounding_box(surface).diagonal().norm()) {
     for (const View& view : capture.views) {
         const double scale = static_cast<double>(depth_size) / std::max(view.camera.width, view.camera.height);
-        views_.push_back(
-            {scaled_from_pixels(scale) * view.camera.P(), nearest_in_cells(sample_inverse_depth(view.camera, surface, scale))});
+        views_.push_back({scaled_from_pixels(scale) * view.camera.P(),
+                          nearest_in_cells(sample_inverse_depth(view.camera, surface, scale))});
     }
 }
 

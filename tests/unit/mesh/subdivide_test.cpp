@@ -22,7 +22,8 @@ TEST_CASE("subdivide: a vertex for every edge, four faces for each, the same sur
     CHECK(std::equal(coarse.vertices.begin(), coarse.vertices.end(), fine.vertices.begin()));
 }
 
-TEST_CASE("subdivide: the new vertices of a sphere lie nearer to it than the middles of its edges, by a factor of four") {
+TEST_CASE(
+    "subdivide: the new vertices of a sphere lie nearer to it than the middles of its edges, by a factor of four") {
     const Mesh coarse = icosphere(2);
     double off_middle = 0, off_new = 0;
     for (const Triangle& t : coarse.triangles) {
