@@ -13,8 +13,8 @@ struct ConfirmGuessOptions {
     int rounds = 3;            ///< a level
     int passes = 3;            ///< what one confirms is ground that the next starts from
     double attachment = 1e-2;  ///< of a guess to its place, see fair()
-    double hopeless = 100;     ///< largest G, before and on trial, of a vertex that is shown, in the same unit
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
+    double hopeless = 100;     ///< a shown vertex whose G is larger before and on trial is a guess; same unit
 };
 
 /// Depth maps miss steep and narrow places that the photographs do agree on, and find some that they do not. Bends the

@@ -25,16 +25,21 @@ struct TriangleInViews {
         const std::uint8_t* pixels = nullptr;  ///< at the origin
         std::ptrdiff_t row = 0;                ///< bytes
     };
+    /// How the homogeneous pixel and depth of the corners move with u; a lane a corner.
+    struct Motion {
+        Float4 x, y, z;
+    };
     std::vector<Patch> patches;
-    std::vector<float> x[3], y[3], z[3];     ///< [corner]: homogeneous pixel and depth of the corner
-    std::vector<float> qx[3], qy[3], qz[3];  ///< how they move with u
-    std::vector<float> px, py, inverse_z;    ///< of the current sample
+    std::vector<float> x[3], y[3], z[3];   ///< [corner]: homogeneous pixel and depth of the corner
+    std::vector<Motion> motion;            ///< only if derivatives are asked for
+    std::vector<float> px, py, inverse_z;  ///< of the current sample
 
     std::size_t size() const { return patches.size(); }
 
     void resize(std::size_t n) {
         patches.resize(n);
-        for (auto* of_corner : {x, y, z, qx, qy, qz})
+        motion.resize(n);
+        for (auto* of_corner : {x, y, z})
             for (std::size_t k = 0; k < 3; ++k) of_corner[k].resize(n);
         for (auto* of_sample : {&px, &py, &inverse_z}) of_sample->resize(n);
     }
@@ -150,9 +155,9 @@ private:
                 views.z[k][i] = static_cast<float>(x[k].z());
                 if (directions == nullptr) continue;
                 const Vec3 q = image.P.leftCols<3>() * (*directions)[k];
-                views.qx[k][i] = static_cast<float>(q.x() - patch.x * q.z());
-                views.qy[k][i] = static_cast<float>(q.y() - patch.y * q.z());
-                views.qz[k][i] = static_cast<float>(q.z());
+                views.motion[i].x[k] = static_cast<float>(q.x() - patch.x * q.z());
+                views.motion[i].y[k] = static_cast<float>(q.y() - patch.y * q.z());
+                views.motion[i].z[k] = static_cast<float>(q.z());
             }
         }
     }
@@ -175,19 +180,20 @@ private:
         return visibility_->is_visible(face, patch.view, x, y, views.inverse_z[i]);
     }
 
-    /// Colours of a sample in the views that see it.
-    void look(std::int32_t face, TriangleInViews& views, const float b[3], std::vector<SampleInView>& samples) const {
+    /// Colours of a sample in the views that see it; they lie in `memory`.
+    std::span<SampleInView> look(std::int32_t face, TriangleInViews& views, const float b[3],
+                                 std::vector<SampleInView>& memory) const {
         views.project(b);
-        samples.clear();
+        memory.resize(std::max(memory.size(), views.size()));
+        std::size_t n = 0;
         for (std::size_t i = 0; i < views.size(); ++i) {
             const TriangleInViews::Patch& patch = views.patches[i];
             const float x = views.px[i], y = views.py[i];
             if (!(views.inverse_z[i] > 0 && x >= 0 && y >= 0 && x < patch.width && y < patch.height)) continue;
-            SampleInView& sample = samples.emplace_back();
-            sample.view = i;
-            if (!sample_patch(patch.pixels, patch.row, x, y, sample.colour) || !is_visible(face, views, i))
-                samples.pop_back();
+            memory[n].view = i;
+            n += sample_patch(patch.pixels, patch.row, x, y, memory[n].colour) && is_visible(face, views, i) ? 1U : 0U;
         }
+        return {memory.data(), n};
     }
 
     static Float4 mean_colour(std::span<const SampleInView> samples) {
@@ -198,13 +204,13 @@ private:
 
     TriangleDistortion distortion(const TriangleQuery& query) const {
         thread_local TriangleInViews views;
-        thread_local std::vector<SampleInView> samples;
+        thread_local std::vector<SampleInView> memory;
         TriangleDistortion out;
         see(query, nullptr, views);
         if (views.size() < 2) return out;
         const Face& face = faces_[at(query.face)];
         for (const LatticeSample& s : lattice(face.steps)) {
-            look(query.face, views, s.b_single, samples);
+            const std::span<const SampleInView> samples = look(query.face, views, s.b_single, memory);
             if (samples.size() < 2) continue;
             const Float4 mean = mean_colour(samples);
             Float4 F{};
@@ -219,13 +225,13 @@ private:
 
     TriangleTerms triangle_terms(const TriangleQuery& query, const std::array<Vec3, 3>& directions) const {
         thread_local TriangleInViews views;
-        thread_local std::vector<SampleInView> samples;
+        thread_local std::vector<SampleInView> memory;
         see(query, &directions, views);
         if (views.size() < 2) return {};
         TermSums sums;
         const Face& face = faces_[at(query.face)];
         for (const LatticeSample& s : lattice(face.steps)) {
-            look(query.face, views, s.b_single, samples);
+            const std::span<SampleInView> samples = look(query.face, views, s.b_single, memory);
             if (samples.size() >= 2) add_sample(views, samples, s, weight(face, s), sums);
         }
         TriangleTerms out;
@@ -243,26 +249,23 @@ private:
     /// F of one sample (Nghiem et al., Eq. 5) and its derivatives, into the triangle's sums. The derivative is
     /// dF/du = 2/(K-1) sum (C_i - mean C) dC_i/du; the Gauss-Newton Hessian 2/(K-1) sum (dC_i/du - mean)^2 takes one
     /// direction per sample, the barycentric mean of the three.
-    static void add_sample(const TriangleInViews& views, std::vector<SampleInView>& samples, const LatticeSample& s,
+    static void add_sample(const TriangleInViews& views, std::span<SampleInView> samples, const LatticeSample& s,
                            double omega, TermSums& sums) {
         const auto K = static_cast<float>(samples.size());
         const Float4 mean = mean_colour(samples);
-        Float4 F{}, mean_slope{}, r[3] = {};
+        const Float4 b = first_three(s.b_single);
+        Float4 F{}, mean_slope{}, along{};  // a lane of `along` is a corner
         for (SampleInView& v : samples) {
             const Float4 residual = v.colour.c - mean;
             F += residual * residual;
-            Float4 slope{};
-            for (std::size_t a = 0; a < 3; ++a) {
-                // The derivative of the projection along the direction of corner a.
-                const std::size_t i = v.view;
-                const float du = (views.qx[a][i] - views.px[i] * views.qz[a][i]) * views.inverse_z[i];
-                const float dv = (views.qy[a][i] - views.py[i] * views.qz[a][i]) * views.inverse_z[i];
-                const Float4 d = v.colour.dx * du + v.colour.dy * dv;
-                r[a] += residual * d;
-                slope += s.b_single[a] * d;
-            }
-            mean_slope += slope;
-            v.colour.dx = slope;
+            // The derivative of the projection along the directions of the corners.
+            const TriangleInViews::Motion& q = views.motion[v.view];
+            const float inverse_z = views.inverse_z[v.view];
+            const Float4 du = (q.x - views.px[v.view] * q.z) * inverse_z;
+            const Float4 dv = (q.y - views.py[v.view] * q.z) * inverse_z;
+            along += sum_of_lanes(residual * v.colour.dx) * du + sum_of_lanes(residual * v.colour.dy) * dv;
+            v.colour.dx = sum_of_lanes(b * du) * v.colour.dx + sum_of_lanes(b * dv) * v.colour.dy;
+            mean_slope += v.colour.dx;
         }
         mean_slope /= K;
         Float4 h{};
@@ -272,8 +275,7 @@ private:
         sums.phi += scale * sum_of_lanes(F);
         sums.n_samples += omega;
         const auto twice_scale = static_cast<float>(2 * scale);
-        const Float4 b = first_three(s.b_single), next{b[1], b[2], b[0], 0.0F}, hat = first_three(s.middle);
-        const Float4 along{sum_of_lanes(r[0]), sum_of_lanes(r[1]), sum_of_lanes(r[2]), 0.0F};
+        const Float4 next{b[1], b[2], b[0], 0.0F}, hat = first_three(s.middle);
         const float curvature = twice_scale * sum_of_lanes(h);
         sums.gradient += twice_scale * b * along;
         sums.hessian_own += curvature * b * b;

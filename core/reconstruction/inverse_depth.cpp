@@ -4,14 +4,14 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/reconstruction/float4.h"
+
 namespace anyrate {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-// Four neighbouring pixels of a row: vector extension of GCC and Clang, whose arithmetic is that of four floats.
-using Float4 = float __attribute__((vector_size(16)));
-constexpr int lanes = 4;
+constexpr int lanes = 4;  // neighbouring pixels of a row
 
 Float4 load(const float* from) {
     Float4 v;

@@ -1,4 +1,7 @@
 #pragma once
+#include <span>
+#include <vector>
+
 #include "core/capture/image.h"
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/surface_view.h"

@@ -137,7 +137,6 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
     Mesh mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : n_even});
 
-    // Step 2: mesh optimisation at a fixed rate.
     Silhouettes silhouettes(capture);
     const auto backend = make_cpu_backend(images);
     const auto sampler = make_cpu_backend(images, options.sampling);

@@ -65,9 +65,8 @@ double fitted_gain(const Mesh& mesh, std::span<const Vec3> normals, const Triang
 }
 
 /// What a split of each face promises; 0 for a face that is not to be split.
-std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms> terms,
-                                 std::span<const char> is_guessed, std::span<const char> is_rejected,
-                                 const NearestSurface& fitted, const PhotoBackend& backend,
+std::vector<double> split_scores(const Mesh& mesh, const StateDistortion& now, std::span<const char> is_guessed,
+                                 std::span<const char> is_rejected, const NearestSurface& fitted,
                                  const RefineOptions& options) {
     const std::size_t n = mesh.triangles.size();
     const std::vector<Vec3> normals = vertex_normals(mesh, OneRings(mesh));
@@ -79,8 +78,8 @@ std::vector<double> split_scores(const Mesh& mesh, std::span<const TriangleTerms
         const Triangle& t = mesh.triangles[f];
         areas[f] = face_area(mesh, t);
         if (options.by_area || is_guess(f) || is_rejected[f] != 0) return;
-        const double pixel_size = backend.pixel_size(static_cast<std::int32_t>(f));
-        scores[f] = expected_gain(terms[f]) + fitted_gain(mesh, normals, t, terms[f], fitted, pixel_size);
+        scores[f] =
+            expected_gain(now.terms[f]) + fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]);
     });
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
@@ -285,6 +284,8 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     }
     StateDistortion result;
     result.terms = backend.terms(queries, directions);
+    result.pixel_sizes.reserve(queries.size());
+    for (const TriangleQuery& query : queries) result.pixel_sizes.push_back(backend.pixel_size(query.face));
     std::vector<TriangleDistortion> distortions;
     distortions.reserve(result.terms.size());
     for (const TriangleTerms& t : result.terms) {
@@ -307,7 +308,7 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const Mesh mesh = state.to_mesh();
         is_rejected.resize(mesh.triangles.size(), 0);
         const std::vector<double> scores =
-            split_scores(mesh, now.terms, guessed.vertices(mesh), is_rejected, fitted, backend, options);
+            split_scores(mesh, now, guessed.vertices(mesh), is_rejected, fitted, options);
         const int n_splits = batch_size(state.n_vertices(), options);
         // More are tried than taken: the images bear some out better than was expected, others not at all.
         const auto n_spare = static_cast<int>(spare_splits * n_splits);

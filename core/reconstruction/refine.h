@@ -24,6 +24,7 @@ struct RefineOptions {
 struct StateDistortion {
     DistortionPoint point;
     std::vector<TriangleTerms> terms;  ///< one per face
+    std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units
 };
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
 

@@ -127,8 +127,7 @@ private:
 
 Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options,
                        std::span<const std::int32_t> faces)
-    : images_(&images),
-      level_(depth_level(images, options.finest_level)),
+    : level_(depth_level(images, options.finest_level)),
       scale_(std::ldexp(1.0F, -level_)),
       inverse_depth_(images.views.size()) {
     const std::size_t n_faces = surface.triangles.size();

@@ -44,7 +44,6 @@ public:
     bool is_visible(std::int32_t face, std::int32_t view, float x, float y, float inverse_depth) const;
 
 private:
-    const PhotoImages* images_;
     int level_ = 0;                            ///< of the pyramid, at which depth is rendered
     float scale_ = 1;                          ///< of its pixels
     std::vector<Image<float>> inverse_depth_;  ///< per view; 0 where there is no surface

@@ -31,7 +31,7 @@ public:
     /// Squared normalised cross-correlation, 0 to 1, of the windows around the pixels of a box (0 if they correlate
     /// negatively), over the pixels that both images know. 0 if they are less than half of the window, or the window's
     /// middle is not among them. Contrast of the size of the images' noise does not count as agreement.
-    /// @param other  brightness of the other view, NaN where unknown
+    /// @param other  brightness of the other view, NaN where unknown; at least 2 x 2 pixels
     /// @return an image of the reference's size, set inside the box; valid until the next call
     const Image<float>& correlate(const Image<float>& other, const Parallax& parallax, double inverse_depth,
                                   const PixelBox& box);
