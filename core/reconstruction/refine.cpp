@@ -8,15 +8,12 @@
 
 #include "core/parallel.h"
 #include "core/reconstruction/batch_selection.h"
+#include "core/reconstruction/emit_batch.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/vertex_colours.h"
 
 namespace anyrate {
 namespace {
-
-/// No vertex moves further in one split than about half an edge (edge / 80 is a step): what wants to go on can do so in
-/// a later batch, and a needle's erratic normal cannot throw a spike.
-constexpr double largest_scalar = 40;
 
 constexpr double most_offset_edges = 0.5;  ///< a fitted surface farther off is another part of the object
 constexpr double most_offset_px = 1.0;     ///< that a split is credited with: beyond, phi is no parabola
@@ -105,16 +102,10 @@ void start_on(const NearestSurface& fitted, Mesh& mesh, int first) {
     });
 }
 
-/// Where the optimisation wants the vertices of a batch: old ones by number, new ones by their place in the batch.
-struct Targets {
-    std::vector<Vec3> old_vertices;                                ///< world units, all vertices before the batch
-    std::vector<std::optional<std::array<Vec3, 3>>> new_vertices;  ///< per face of the batch
-};
-
 /// Splits the batch on a copy of the state, moves the nine vertices of each split to where the images agree most.
-Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, PhotoBackend& backend,
-                       Silhouettes& silhouettes, const GuessedSurface& guessed, const NearestSurface& fitted,
-                       const RefineOptions& options, const std::stop_token& stop) {
+BatchTargets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, PhotoBackend& backend,
+                            Silhouettes& silhouettes, const GuessedSurface& guessed, const NearestSurface& fitted,
+                            const RefineOptions& options, const std::stop_token& stop) {
     RefinableMesh trial = state;
     std::vector<std::int32_t> first_new(batch.size(), -1), active;
     for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -140,36 +131,13 @@ Targets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t>
     if (!active.empty())
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
 
-    Targets targets;
+    BatchTargets targets;
     targets.old_vertices.assign(mesh.vertices.begin(), mesh.vertices.begin() + state.n_vertices());
     targets.new_vertices.resize(batch.size());
     for (std::size_t k = 0; k < batch.size(); ++k)
         if (const std::int32_t v = first_new[k]; v >= 0)
             targets.new_vertices[k] = {mesh.vertices[at(v)], mesh.vertices[at(v + 1)], mesh.vertices[at(v + 2)]};
     return targets;
-}
-
-/// Splits the batch for good, each vertex going as near to its target as its scalar allows.
-/// @param left_out  faces of the batch that are not split after all, ascending
-std::vector<SplitRecord> emit_batch(RefinableMesh& state, std::span<const std::int32_t> batch, const Targets& targets,
-                                    std::span<const std::int32_t> left_out, double dead_zone) {
-    std::vector<SplitRecord> records;
-    records.reserve(batch.size());
-    const Grid grid = state.grid();
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        if (!state.split_site(batch[k]) || std::ranges::binary_search(left_out, batch[k])) continue;
-        records.push_back(state.split(batch[k], [&](const ScalarSite& site) -> std::int32_t {
-            const bool is_new = site.slot < 3;
-            if (is_new && !targets.new_vertices[k]) return 0;
-            const Vec3& target =
-                is_new ? (*targets.new_vertices[k])[at(site.slot)] : targets.old_vertices[at(site.vertex)];
-            const Vec3 target_in_grid = (target - grid.origin) / grid.unit;
-            const double steps = (target_in_grid - site.position).dot(site.normal) / site.step;
-            if (!is_new && std::abs(steps) < dead_zone) return 0;
-            return static_cast<std::int32_t>(std::lround(std::clamp(steps, -largest_scalar, largest_scalar)));
-        }));
-    }
-    return records;
 }
 
 /// Mean of phi per sample over the faces around some vertices; nullopt where nothing is seen.
@@ -230,7 +198,7 @@ int batch_size(int n_vertices, const RefineOptions& options) {
 }
 
 /// Emits the batch on a copy of the state, without the faces that are left out.
-Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, const Targets& targets,
+Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, const BatchTargets& targets,
               std::span<const std::int32_t> left_out, PhotoBackend& backend, const RefineOptions& options) {
     Step step{state, {}, {}};
     step.records = emit_batch(step.state, batch, targets, left_out, options.dead_zone);
@@ -243,7 +211,7 @@ Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, c
 /// @param is_rejected  learns of the splits that did harm
 /// @return nullopt if no part of it lowers Psi
 std::optional<Step> take_step(const RefinableMesh& state, const StateDistortion& now,
-                              std::span<const std::int32_t> batch, std::size_t most, const Targets& targets,
+                              std::span<const std::int32_t> batch, std::size_t most, const BatchTargets& targets,
                               PhotoBackend& backend, const RefineOptions& options, std::vector<char>& is_rejected) {
     std::vector<std::int32_t> left_out;
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
@@ -315,7 +283,7 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const int n_tried = options.by_area ? n_splits : std::max(n_splits + n_spare, fewest_tried);
         const std::vector<std::int32_t> batch = select_batch(state, scores, n_tried);
         if (batch.empty()) break;
-        const Targets targets = optimise_batch(state, batch, backend, silhouettes, guessed, fitted, options, stop);
+        const BatchTargets targets = optimise_batch(state, batch, backend, silhouettes, guessed, fitted, options, stop);
         const std::int32_t n_before = state.n_vertices();
         std::optional<Step> step = take_step(state, now, batch, at(n_splits), targets, backend, options, is_rejected);
         if (!step && ++n_refusals < most_refusals) continue;

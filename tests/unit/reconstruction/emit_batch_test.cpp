@@ -1,0 +1,112 @@
+#include "core/reconstruction/emit_batch.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/simulation/parametric_meshes.h"
+
+using namespace anyrate;
+
+namespace {
+
+const Grid grid{Vec3(-1.2, -1.2, -1.2), 2.4 / 16383, 14, 2};
+
+/// An icosphere squeezed to a disc along a slanted axis: its needles make many splits flip edges around them.
+RefinableMesh disc() {
+    const Mesh sphere = icosphere(3);
+    BaseMesh base;
+    base.triangles = sphere.triangles;
+    const Vec3 axis = Vec3(1, 2, 0.5).normalized();
+    for (const Vec3& v : sphere.vertices) {
+        const Vec3 p = (v - 0.9 * v.dot(axis) * axis - grid.origin) / grid.unit / 4;
+        base.positions.push_back({4 * static_cast<int>(std::lround(p.x())), 4 * static_cast<int>(std::lround(p.y())),
+                                  4 * static_cast<int>(std::lround(p.z()))});
+    }
+    return RefinableMesh(base, grid, {});
+}
+
+std::int32_t zero(const ScalarSite&) { return 0; }
+
+/// Two faces of disjoint surroundings such that splitting the first puts one of its vertices beside the second.
+std::array<std::int32_t, 2> entangled_pair(const RefinableMesh& mesh) {
+    for (std::int32_t f = 0; f < mesh.n_faces(); ++f) {
+        const auto before = mesh.split_site(f);
+        if (!before) continue;
+        RefinableMesh split = mesh;
+        split.split(f, zero);
+        for (std::int32_t g = f + 1; g < mesh.n_faces(); ++g) {
+            const auto site = mesh.split_site(g), site_after = split.split_site(g);
+            if (!site || !site_after || std::ranges::find_first_of(*before, *site) != before->end()) continue;
+            if (std::ranges::any_of(*site_after, [&](std::int32_t v) { return v >= mesh.n_vertices(); })) return {f, g};
+        }
+    }
+    FAIL("no split of the disc flips an edge beyond its own surroundings");
+    return {};
+}
+
+BatchTargets stay(const RefinableMesh& state, std::size_t n_faces) {
+    BatchTargets targets{state.to_mesh().vertices, {}};
+    targets.new_vertices.resize(n_faces);
+    return targets;
+}
+
+}  // namespace
+
+TEST_CASE("Emit: a vertex of the batch keeps its own target when a later split of the batch moves it") {
+    const RefinableMesh start = disc();
+    const std::array<std::int32_t, 2> batch = entangled_pair(start);
+    const std::int32_t V = start.n_vertices();
+    BatchTargets targets = stay(start, 2);
+    RefinableMesh first = start;
+    first.split(batch[0], zero);
+    const std::vector<Vec3> fallen = first.to_mesh().vertices;
+    targets.new_vertices[0] = {fallen[static_cast<std::size_t>(V)], fallen[static_cast<std::size_t>(V) + 1],
+                               fallen[static_cast<std::size_t>(V) + 2]};
+
+    RefinableMesh state = start;
+    const auto records = emit_batch(state, batch, targets, {}, 0.0);
+    REQUIRE(records.size() == 2);
+    const std::vector<Vec3> ended = state.to_mesh().vertices;
+    const Triangle t = start.triangles()[static_cast<std::size_t>(batch[0])];
+    const Mesh mesh = start.to_mesh();
+    const double edge =
+        (mesh.vertices[static_cast<std::size_t>(t[0])] - mesh.vertices[static_cast<std::size_t>(t[1])]).norm();
+    for (std::size_t i = 0; i < 3; ++i)
+        CHECK((ended[static_cast<std::size_t>(V) + i] - fallen[static_cast<std::size_t>(V) + i]).norm() < 0.25 * edge);
+}
+
+TEST_CASE("Emit: what is left out is not split, and the vertices of the others still go to their own targets") {
+    const RefinableMesh start = disc();
+    const std::vector<std::int32_t> batch{10, 200, 900};
+    BatchTargets targets = stay(start, 3);
+    RefinableMesh alone = start;
+    alone.split(200, [](const ScalarSite& site) { return site.slot < 3 ? 12 : 0; });
+    const std::vector<Vec3> lifted = alone.to_mesh().vertices;
+    const auto V = static_cast<std::size_t>(start.n_vertices());
+    targets.new_vertices[1] = {lifted[V], lifted[V + 1], lifted[V + 2]};
+
+    RefinableMesh state = start;
+    const std::vector<std::int32_t> left_out{10, 900};
+    const auto records = emit_batch(state, batch, targets, left_out, 1e9);
+    REQUIRE(records.size() == 1);
+    CHECK(records[0].face == 200);
+    CHECK(records[0].residual == std::array<std::int32_t, 3>{12, 12, 12});
+    CHECK(records[0].update == std::array<std::int32_t, 6>{});
+}
+
+TEST_CASE("Emit: no scalar beyond half an edge, none for a vertex without a target, none inside the dead zone") {
+    const RefinableMesh start = disc();
+    const std::vector<std::int32_t> batch{200};
+    BatchTargets targets = stay(start, 1);
+    RefinableMesh state = start;
+    SplitRecord record = emit_batch(state, batch, targets, {}, 1e9).at(0);
+    CHECK(record.residual == std::array<std::int32_t, 3>{});
+    CHECK(record.update == std::array<std::int32_t, 6>{});
+
+    targets.new_vertices[0] = {Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3)};
+    state = start;
+    record = emit_batch(state, batch, targets, {}, 1e9).at(0);
+    for (std::int32_t scalar : record.residual) CHECK(std::abs(scalar) == 40);
+}
