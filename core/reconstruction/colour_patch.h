@@ -19,10 +19,12 @@ struct ColourPatch {
 inline void load_pixels(const std::uint8_t* rgba, Float4& left, Float4& right) {
     using Byte16 = std::uint8_t __attribute__((vector_size(16)));
     using Short8 = std::uint16_t __attribute__((vector_size(16)));
+    using Long2 = std::uint64_t __attribute__((vector_size(16)));
     using Int4 = std::int32_t __attribute__((vector_size(16)));
     static_assert(std::endian::native == std::endian::little, "a zero byte behind each makes it wider");
-    Byte16 bytes{};
-    std::memcpy(&bytes, rgba, 8);
+    std::uint64_t both;
+    std::memcpy(&both, rgba, 8);
+    const auto bytes = reinterpret_cast<Byte16>(Long2{both, 0});
     const auto words = reinterpret_cast<Short8>(
         __builtin_shufflevector(bytes, Byte16{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
     left = __builtin_convertvector(

@@ -78,8 +78,9 @@ public:
         assert(level >= 0 && level < images_.n_levels());
         level_ = level;
         // A pixel of a coarse level asks for no finer depth than its own quarters.
-        visibility_ = std::make_unique<Visibility>(images_, surface,
-                                                   VisibilityOptions{.finest_level = std::max(level - 1, 0)}, faces);
+        VisibilityOptions options;
+        options.finest_level = std::max(level - 1, options.finest_level);
+        visibility_ = std::make_unique<Visibility>(images_, surface, options, faces);
         const OneRings rings(surface);
         faces_.resize(surface.triangles.size());
         const double area_scale = std::ldexp(1.0, -2 * level);

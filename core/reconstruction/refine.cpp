@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -233,6 +234,14 @@ std::optional<Step> take_step(const RefinableMesh& state, const StateDistortion&
     return std::nullopt;
 }
 
+/// The faces of a batch that are not among its `n` of highest score, ascending.
+std::vector<std::int32_t> all_but(int n, std::span<const std::int32_t> batch, const RefinableMesh& state,
+                                  std::span<const double> scores) {
+    std::vector<std::int32_t> rest;
+    std::ranges::set_difference(batch, select_batch(state, scores, n), std::back_inserter(rest));
+    return rest;
+}
+
 }  // namespace
 
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px) {
@@ -287,7 +296,7 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const std::int32_t n_before = state.n_vertices();
         std::optional<Step> step = take_step(state, now, batch, at(n_splits), targets, backend, options, is_rejected);
         if (!step && ++n_refusals < most_refusals) continue;
-        if (!step) step = try_step(state, select_batch(state, scores, n_splits), targets, {}, backend, options);
+        if (!step) step = try_step(state, batch, targets, all_but(n_splits, batch, state, scores), backend, options);
         n_refusals = 0;
         if (step->records.empty()) break;
         state = std::move(step->state);

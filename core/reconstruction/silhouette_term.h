@@ -43,7 +43,7 @@ private:
         Mat34 P;
         Vec3 centre;
         Image<std::int8_t> distance;
-        PhotoLevel coverage_level;  ///< its camera at a level of at most a thousand pixels a side; no colours
+        PhotoLevel coverage_level;  ///< its camera at half the resolution or less; no colours
         double coverage_scale = 1;  ///< of a pixel of the photograph at that level
         Image<float> coverage;      ///< inverse depth, 0 where there is no surface
     };

