@@ -96,7 +96,7 @@ Mesh fit_base(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurf
     Mesh base = decimate(optimised, n_vertices);
     if (base.n_vertices() > n_vertices) base = remesh_isotropic(optimised, {.n_vertices = n_vertices});
     OptimiseOptions options;
-    options.rounds = 4;
+    options.rounds = 2;
     options.tangential = 0;  // which would even the edges out again
     optimise_surface(backend, silhouettes, base.vertices, base.triangles, {}, guessed.vertices(base), options, stop);
     return base;

@@ -13,7 +13,7 @@ namespace anyrate {
 
 struct RefineOptions {
     int n_vertices = 10'000;
-    double growth = 0.12;        ///< vertices a batch adds, in parts of what is there (stream study: the knee)
+    double growth = 0.16;        ///< vertices a batch adds, in parts of what is there; 0.12 is no better, 0.2 is worse
     double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
     double dead_zone = 0.75;     ///< updates of old vertices below this many steps are not sent
     bool by_area = false;        ///< split the largest faces instead of the most promising (`--method uniform`)
