@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
@@ -71,4 +72,38 @@ TEST_CASE("Visibility: what stands behind something else is not seen, at any sca
                 }
         CHECK(n_seen_front > front.n_faces() / 4);
     }
+}
+
+TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel along a contour, and no further") {
+    const PhotoImages images = ring_of_views(4);
+    const double radius = 0.4;
+    const Mesh front = icosphere(4, radius);
+    const PhotoLevel& image = images.views[0].levels[0];
+    const double distance = images.views[0].centre.norm();
+    const Vec2 middle = (image.P * Vec3(0, 0, 0).homogeneous()).hnormalized();
+    const double contour_px = images.views[0].focal_px * radius / std::sqrt(distance * distance - radius * radius);
+    const auto behind = static_cast<float>(1 / (distance + 1));
+    const auto part_hidden = [&](int finest_level, double beyond_px) {
+        VisibilityOptions options;
+        options.finest_level = finest_level;
+        const Visibility visibility(images, front, options);
+        constexpr int n_angles = 360;
+        int n_hidden = 0;
+        for (int i = 0; i < n_angles; ++i) {
+            const double angle = 2 * std::acos(-1.0) * i / n_angles;
+            const Vec2 pixel = middle + (contour_px + beyond_px) * Vec2(std::cos(angle), std::sin(angle));
+            const bool is_visible =
+                visibility.is_visible(0, 0, static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), behind);
+            n_hidden += is_visible ? 0 : 1;
+        }
+        return static_cast<double>(n_hidden) / n_angles;
+    };
+    const int finest = VisibilityOptions{}.finest_level;
+    REQUIRE(images.n_levels() > finest);
+    const double depth_pixel = std::exp2(finest);
+    CHECK(part_hidden(finest, -0.5 * depth_pixel) == 1.0);
+    CHECK(part_hidden(finest, 0.25 * depth_pixel) > 0.8);
+    CHECK(part_hidden(finest, 1.5 * depth_pixel) == 0.0);  // beyond the diagonal of a pixel
+    CHECK(part_hidden(0, 1.5) == 0.0);
+    CHECK(part_hidden(finest, 0.5 * depth_pixel) > part_hidden(0, 0.5 * depth_pixel));
 }
