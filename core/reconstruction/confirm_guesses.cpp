@@ -14,12 +14,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 std::vector<std::optional<double>> vertex_distortions(PhotoBackend& backend, const Mesh& mesh, const OneRings& rings) {
     backend.set_surface(mesh, 0, 1.0);
-    std::vector<TriangleQuery> queries(mesh.triangles.size());
-    for (std::size_t f = 0; f < queries.size(); ++f) {
-        queries[f].face = static_cast<std::int32_t>(f);
-        for (std::size_t k = 0; k < 3; ++k) queries[f].corners[k] = mesh.vertices[at(mesh.triangles[f][k])];
-    }
-    return vertex_distortion(rings, mesh.n_vertices(), backend.distortions(queries));
+    return vertex_distortion(rings, mesh.n_vertices(), backend.distortions(whole_surface(mesh)));
 }
 
 /// Median of G over the vertices that are no guess; nothing if there is none.

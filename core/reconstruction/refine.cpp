@@ -218,8 +218,7 @@ std::optional<Step> take_step(const RefinableMesh& state, const StateDistortion&
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
         Step step = try_step(state, batch, targets, left_out, backend, options);
         const bool fits = step.records.size() <= most;
-        if (options.by_area || step.records.empty() || (fits && step.distortion.point.mean < now.point.mean))
-            return step;
+        if (options.by_area || (fits && step.distortion.point.mean < now.point.mean)) return step;
         std::vector<SplitGain> gains = split_gains(state, now, step);
         std::ranges::stable_sort(gains, std::greater<>(), &SplitGain::gain);
         const std::size_t n_before = left_out.size();
@@ -250,15 +249,10 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     const OneRings rings(surface);
     const std::vector<Vec3> normals = vertex_normals(surface, rings);
     backend.set_surface(surface, 0, samples_per_px);
-    std::vector<TriangleQuery> queries(mesh.triangles.size());
-    std::vector<std::array<Vec3, 3>> directions(mesh.triangles.size());
-    for (std::size_t f = 0; f < queries.size(); ++f) {
-        queries[f].face = static_cast<std::int32_t>(f);
-        for (std::size_t k = 0; k < 3; ++k) {
-            queries[f].corners[k] = mesh.vertices[at(mesh.triangles[f][k])];
-            directions[f][k] = normals[at(mesh.triangles[f][k])];
-        }
-    }
+    const std::vector<TriangleQuery> queries = whole_surface(surface);
+    std::vector<std::array<Vec3, 3>> directions(queries.size());
+    for (std::size_t f = 0; f < queries.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[at(mesh.triangles[f][k])];
     StateDistortion result;
     result.terms = backend.terms(queries, directions);
     result.pixel_sizes.reserve(queries.size());

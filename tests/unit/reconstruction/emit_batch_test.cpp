@@ -3,28 +3,23 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 
 #include "core/simulation/parametric_meshes.h"
+#include "grid_scenes.h"
 
 using namespace anyrate;
 
 namespace {
 
-const Grid grid{Vec3(-1.2, -1.2, -1.2), 2.4 / 16383, 14, 2};
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// An icosphere squeezed to a disc along a slanted axis: its needles make many splits flip edges around them.
+/// A sphere squeezed to a disc along a slanted axis: its needles make many splits flip edges around them.
 RefinableMesh disc() {
-    const Mesh sphere = icosphere(3);
-    BaseMesh base;
-    base.triangles = sphere.triangles;
+    Mesh mesh = icosphere(3);
     const Vec3 axis = Vec3(1, 2, 0.5).normalized();
-    for (const Vec3& v : sphere.vertices) {
-        const Vec3 p = (v - 0.9 * v.dot(axis) * axis - grid.origin) / grid.unit / 4;
-        base.positions.push_back({4 * static_cast<int>(std::lround(p.x())), 4 * static_cast<int>(std::lround(p.y())),
-                                  4 * static_cast<int>(std::lround(p.z()))});
-    }
-    return RefinableMesh(base, grid, {});
+    for (Vec3& v : mesh.vertices) v -= 0.9 * v.dot(axis) * axis;
+    return RefinableMesh(on_grid(mesh, unit_grid), unit_grid, {});
 }
 
 std::int32_t zero(const ScalarSite&) { return 0; }
@@ -46,6 +41,10 @@ std::array<std::int32_t, 2> entangled_pair(const RefinableMesh& mesh) {
     return {};
 }
 
+std::array<Vec3, 3> last_three(const std::vector<Vec3>& vertices) {
+    return {vertices[vertices.size() - 3], vertices[vertices.size() - 2], vertices[vertices.size() - 1]};
+}
+
 BatchTargets stay(const RefinableMesh& state, std::size_t n_faces) {
     BatchTargets targets{state.to_mesh().vertices, {}};
     targets.new_vertices.resize(n_faces);
@@ -57,24 +56,20 @@ BatchTargets stay(const RefinableMesh& state, std::size_t n_faces) {
 TEST_CASE("Emit: a vertex of the batch keeps its own target when a later split of the batch moves it") {
     const RefinableMesh start = disc();
     const std::array<std::int32_t, 2> batch = entangled_pair(start);
-    const std::int32_t V = start.n_vertices();
     BatchTargets targets = stay(start, 2);
     RefinableMesh first = start;
     first.split(batch[0], zero);
     const std::vector<Vec3> fallen = first.to_mesh().vertices;
-    targets.new_vertices[0] = {fallen[static_cast<std::size_t>(V)], fallen[static_cast<std::size_t>(V) + 1],
-                               fallen[static_cast<std::size_t>(V) + 2]};
+    targets.new_vertices[0] = last_three(fallen);
 
     RefinableMesh state = start;
     const auto records = emit_batch(state, batch, targets, {}, 0.0);
     REQUIRE(records.size() == 2);
     const std::vector<Vec3> ended = state.to_mesh().vertices;
-    const Triangle t = start.triangles()[static_cast<std::size_t>(batch[0])];
-    const Mesh mesh = start.to_mesh();
-    const double edge =
-        (mesh.vertices[static_cast<std::size_t>(t[0])] - mesh.vertices[static_cast<std::size_t>(t[1])]).norm();
-    for (std::size_t i = 0; i < 3; ++i)
-        CHECK((ended[static_cast<std::size_t>(V) + i] - fallen[static_cast<std::size_t>(V) + i]).norm() < 0.25 * edge);
+    const Triangle t = start.triangles()[at(batch[0])];
+    const double edge = (targets.old_vertices[at(t[0])] - targets.old_vertices[at(t[1])]).norm();
+    for (std::size_t v = at(start.n_vertices()); v < fallen.size(); ++v)
+        CHECK((ended[v] - fallen[v]).norm() < 0.25 * edge);
 }
 
 TEST_CASE("Emit: what is left out is not split, and the vertices of the others still go to their own targets") {
@@ -83,9 +78,7 @@ TEST_CASE("Emit: what is left out is not split, and the vertices of the others s
     BatchTargets targets = stay(start, 3);
     RefinableMesh alone = start;
     alone.split(200, [](const ScalarSite& site) { return site.slot < 3 ? 12 : 0; });
-    const std::vector<Vec3> lifted = alone.to_mesh().vertices;
-    const auto V = static_cast<std::size_t>(start.n_vertices());
-    targets.new_vertices[1] = {lifted[V], lifted[V + 1], lifted[V + 2]};
+    targets.new_vertices[1] = last_three(alone.to_mesh().vertices);
 
     RefinableMesh state = start;
     const std::vector<std::int32_t> left_out{10, 900};

@@ -11,6 +11,7 @@
 #include "core/reconstruction/batch_selection.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
+#include "grid_scenes.h"
 
 using namespace anyrate;
 
@@ -49,20 +50,28 @@ const Capture& capture() {
     return sphere;
 }
 
-const ReconstructOptions small{.n_vertices = 900, .n_coarse = 300, .seed = 1, .method = Method::refine};
-
-BaseMesh on_grid(const Mesh& mesh, const Grid& grid) {
-    BaseMesh base;
-    base.triangles = mesh.triangles;
-    for (const Vec3& v : mesh.vertices) {
-        const Vec3 p = (v - grid.origin) / grid.unit / 4;
-        base.positions.push_back({4 * static_cast<int>(std::lround(p.x())), 4 * static_cast<int>(std::lround(p.y())),
-                                  4 * static_cast<int>(std::lround(p.z()))});
+/// Sees less agreement whenever it is asked again: no batch can lower its Psi.
+class GrowingDistortion final : public PhotoBackend {
+public:
+    void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override { ++phi_; }
+    std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
+        return std::vector<TriangleDistortion>(batch.size(), {phi_, 1.0});
     }
-    return base;
-}
+    std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
+                                     std::span<const std::array<Vec3, 3>>) override {
+        TriangleTerms term;
+        term.distortion = {phi_, 1.0};
+        term.middle_hessian = {1.0, 1.0, 1.0};
+        return std::vector<TriangleTerms>(batch.size(), term);
+    }
+    double pixel_size(std::int32_t) const override { return 0.01; }
+    int n_levels() const override { return 1; }
 
-const Grid unit_grid{Vec3(-1.2, -1.2, -1.2), 2.4 / 16383, 14, 2};
+private:
+    double phi_ = 0;
+};
+
+const ReconstructOptions small{.n_vertices = 900, .n_coarse = 300, .seed = 1, .method = Method::refine};
 
 }  // namespace
 
@@ -88,6 +97,26 @@ TEST_CASE("Batch: the highest score is always taken") {
     scores[77] = 2.0;
     CHECK(select_batch(mesh, scores, 1) == std::vector<std::int32_t>{77});
     CHECK(select_batch(mesh, std::vector<double>(scores.size(), 0.0), 5).empty());
+}
+
+TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, on the fitted surface") {
+    RefinableMesh state(on_grid(icosphere(2), unit_grid), unit_grid, {});
+    GrowingDistortion backend;
+    Silhouettes silhouettes(capture());
+    const PhotoImages images = make_photo_images(capture());
+    const NearestSurface fitted(icosphere(5));
+    Recorder recorder;
+    recorder.start(state.grid(), {}, on_grid(icosphere(2), unit_grid));
+    RefineOptions options;
+    options.n_vertices = 1000;
+    options.growth = 0.5;
+    const std::vector<CurvePoint> curve =
+        refine(state, backend, silhouettes, images, GuessedSurface(), fitted, options, recorder, {}, {});
+    CHECK(recorder.closed_loop);
+    CHECK(state.n_vertices() >= options.n_vertices - 2);
+    CHECK(curve.back().psi > curve.front().psi);
+    for (const Vec3& v : state.to_mesh().vertices)
+        CHECK(std::abs(v.norm() - 1.0) < 0.05);  // a sixth of an edge of the base
 }
 
 TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {
