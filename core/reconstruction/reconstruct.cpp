@@ -29,11 +29,14 @@ void check(const ReconstructOptions& options) {
     const auto require = [](bool holds, const std::string& sentence) {
         if (!holds) throw InputError(sentence);
     };
-    require(options.n_coarse >= smallest_count, "coarse: expected at least " + std::to_string(smallest_count) +
-                                                    " vertices, got " + std::to_string(options.n_coarse));
-    require(options.n_vertices >= options.n_coarse && options.n_vertices <= largest_count,
-            "vertices: expected a number from the coarse count (" + std::to_string(options.n_coarse) + ") to " +
-                std::to_string(largest_count) + ", got " + std::to_string(options.n_vertices));
+    const auto require_count = [&](const char* name, int count, int least) {
+        require(count >= least && count <= largest_count,
+                std::string(name) + ": expected a number from " + std::to_string(least) + " to " +
+                    std::to_string(largest_count) + ", got " + std::to_string(count));
+    };
+    require_count("vertices", options.n_vertices, smallest_count);
+    require_count("coarse", options.n_coarse, smallest_count);
+    require_count("vertices, no fewer than coarse", options.n_vertices, options.n_coarse);
     require(options.samples_per_px > 0,
             "samples per pixel: expected a number above 0, got " + std::to_string(options.samples_per_px));
 }

@@ -191,11 +191,20 @@ std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistor
     return gains;
 }
 
-int batch_size(int n_vertices, const RefineOptions& options) {
+/// How many splits a batch tries, and how many of them it takes at most.
+struct BatchSize {
+    int tried = 0, taken = 0;
+};
+
+BatchSize batch_size(int n_vertices, const RefineOptions& options) {
     const int wanted = (options.n_vertices - n_vertices) / 3;
     const int grown = std::max(1, static_cast<int>(std::lround(options.growth * n_vertices / 3)));
     // A last crumb joins its predecessor.
-    return wanted < grown + grown / 3 ? wanted : grown;
+    const int taken = wanted < grown + grown / 3 ? wanted : grown;
+    if (options.by_area) return {taken, taken};
+    // The images bear some out better than was expected, others not at all. A last batch, however few it takes, tries
+    // as many as the others: it would leave a crumb again and again, each at the price of a whole measurement.
+    return {std::max(fewest_tried, static_cast<int>((1 + spare_splits) * std::max(taken, grown))), taken};
 }
 
 /// Emits the batch on a copy of the state, without the faces that are left out.
@@ -280,17 +289,14 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         is_rejected.resize(mesh.triangles.size(), 0);
         const std::vector<double> scores =
             split_scores(mesh, now, guessed.vertices(mesh), is_rejected, fitted, options);
-        const int n_splits = batch_size(state.n_vertices(), options);
-        // More are tried than taken: the images bear some out better than was expected, others not at all.
-        const auto n_spare = static_cast<int>(spare_splits * n_splits);
-        const int n_tried = options.by_area ? n_splits : std::max(n_splits + n_spare, fewest_tried);
-        const std::vector<std::int32_t> batch = select_batch(state, scores, n_tried);
+        const BatchSize size = batch_size(state.n_vertices(), options);
+        const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);
         if (batch.empty()) break;
         const BatchTargets targets = optimise_batch(state, batch, backend, silhouettes, guessed, fitted, options, stop);
         const std::int32_t n_before = state.n_vertices();
-        std::optional<Step> step = take_step(state, now, batch, at(n_splits), targets, backend, options, is_rejected);
+        std::optional<Step> step = take_step(state, now, batch, at(size.taken), targets, backend, options, is_rejected);
         if (!step && ++n_refusals < most_refusals) continue;
-        if (!step) step = try_step(state, batch, targets, all_but(n_splits, batch, state, scores), backend, options);
+        if (!step) step = try_step(state, batch, targets, all_but(size.taken, batch, state, scores), backend, options);
         n_refusals = 0;
         if (step->records.empty()) break;
         state = std::move(step->state);
