@@ -40,7 +40,7 @@ PixelBox box_of_object(const PhotoLevel& level) {
 // Brightness within a box; unknown where a pixel is not the object's alone, so that what is interpolated from it is
 // too.
 Image<float> brightness(const PhotoLevel& level, const PixelBox& box) {
-    Image<float> grey(box.x1 - box.x0, box.y1 - box.y0, unknown);
+    Image<float> grey(box.width(), box.height(), unknown);
     for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) {
             const std::uint8_t* p = level.pixel(x, y);
@@ -174,7 +174,7 @@ public:
 
     void clear(const PixelBox& box) {
         for (Image<float>& image : best_)
-            for (int y = box.y0; y < box.y1; ++y) std::fill_n(&image(box.x0, y), box.x1 - box.x0, 0.0f);
+            for (int y = box.y0; y < box.y1; ++y) std::fill_n(&image(box.x0, y), box.width(), 0.0f);
     }
     void add(const Image<float>& values, const PixelBox& box) {
         for (int y = box.y0; y < box.y1; ++y) {

@@ -72,7 +72,26 @@ bool touches_frame(const MaskImage& mask) {
 
 // ---- signed distance
 
-constexpr int reach_px = 8;
+constexpr int reach_px = 8;    // cut off there
+constexpr int n_passes = 4;    // of the blur, a pixel each
+constexpr int margin_px = 16;  // around the object: repairs, reach and blur end before its border
+
+// The part of the image that the cone is made of: the object and a margin, as far as the image goes.
+PixelBox box_around(const MaskImage& mask) {
+    PixelBox box;
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x)
+            if (mask(x, y) != 0) box.extend(x, y);
+    if (box.is_empty()) return {0, 0, std::min(1, mask.width), std::min(1, mask.height)};
+    return {std::max(0, box.x0 - margin_px), std::max(0, box.y0 - margin_px), std::min(mask.width, box.x1 + margin_px),
+            std::min(mask.height, box.y1 + margin_px)};
+}
+
+MaskImage cut_out(const MaskImage& mask, const PixelBox& box) {
+    MaskImage part(box.width(), box.height());
+    for (int y = 0; y < part.height; ++y) std::copy_n(&mask(box.x0, box.y0 + y), part.width, &part(0, y));
+    return part;
+}
 
 // Distance of every pixel centre to the nearest one with mask == target, exact up to reach_px, cut off there.
 // Separable: first within columns, then the nearest over the row's columns (Saito and Toriwaki 1994, with a bounded
@@ -121,7 +140,6 @@ Image<float> blurred(const Image<float>& image) {
 // mask's staircase is smoothed (standard deviation 1.4 pixels in all) under that constraint: a straight edge becomes
 // straight, and a tip or a thin part keeps its pixels.
 Image<float> smooth_signed_distance(const MaskImage& mask) {
-    constexpr int n_passes = 4;
     constexpr float least_px = 0.05f;
     const Image<float> to_background = distance_to(mask, 0);
     Image<float> distance = distance_to(mask, 1);
@@ -139,11 +157,15 @@ Image<float> smooth_signed_distance(const MaskImage& mask) {
 }  // namespace
 
 SilhouetteCone::SilhouetteCone(const View& view)
-    : P_(view.camera.P()),
-      centre_(view.camera.centre()),
-      world_from_pixel_(view.camera.R.transpose() * view.camera.K.inverse()),
-      pixels_per_radian_(std::sqrt(view.camera.K(0, 0) * view.camera.K(1, 1))) {
-    const MaskImage mask = repaired(view.mask);
+    : centre_(view.camera.centre()), pixels_per_radian_(std::sqrt(view.camera.K(0, 0) * view.camera.K(1, 1))) {
+    const PixelBox box = box_around(view.mask);
+    Mat3 K = view.camera.K;
+    K.row(0) -= box.x0 * K.row(2);
+    K.row(1) -= box.y0 * K.row(2);
+    P_ << K * view.camera.R, K * view.camera.t;
+    world_from_pixel_ = view.camera.R.transpose() * K.inverse();
+    frame_ = {-box.x0, -box.y0, view.mask.width - box.x0, view.mask.height - box.y0};
+    const MaskImage mask = repaired(cut_out(view.mask, box));
     complete_ = !touches_frame(mask);
     distance_px_ = smooth_signed_distance(mask);
     count_pixels(mask);
@@ -165,7 +187,9 @@ void SilhouetteCone::count_pixels(const MaskImage& mask) {
 }
 
 std::int64_t SilhouetteCone::object_pixels(int x0, int y0, int x1, int y1) const {
-    const auto sum = [this](int x, int y) { return static_cast<std::int64_t>(sum_(x, y)); };
+    const auto sum = [this](int x, int y) {
+        return static_cast<std::int64_t>(sum_(std::clamp(x, 0, sum_.width - 1), std::clamp(y, 0, sum_.height - 1)));
+    };
     return sum(x1 + 1, y1 + 1) - sum(x0, y1 + 1) - sum(x1 + 1, y0) + sum(x0, y0);
 }
 
@@ -182,17 +206,18 @@ Cover SilhouetteCone::cover(const Vec3& centre, double half_edge) const {
     const double v0 = projected.y() / projected.z();
     const double du = half_edge * (P_.block<1, 3>(0, 0) - u0 * P_.block<1, 3>(2, 0)).lpNorm<1>() / least_depth;
     const double dv = half_edge * (P_.block<1, 3>(1, 0) - v0 * P_.block<1, 3>(2, 0)).lpNorm<1>() / least_depth;
-    const int width = distance_px_.width, height = distance_px_.height;
-    const double right = width - 0.5, bottom = height - 0.5;
-    if (u0 + du < -0.5 || v0 + dv < -0.5 || u0 - du > right || v0 - dv > bottom) return not_in_image;
-    const bool contained = u0 - du >= -0.5 && v0 - dv >= -0.5 && u0 + du <= right && v0 + dv <= bottom;
+    const Frame frame = frame_in_pixels();
+    if (u0 + du < frame.left || v0 + dv < frame.top || u0 - du > frame.right || v0 - dv > frame.bottom)
+        return not_in_image;
+    const bool contained =
+        u0 - du >= frame.left && v0 - dv >= frame.top && u0 + du <= frame.right && v0 + dv <= frame.bottom;
     if (!contained && !complete_) return Cover::mixed;
 
     // All pixels that the interpolation of a point of the footprint may read.
-    const auto first = [](double low) { return std::max(0, static_cast<int>(std::floor(low))); };
+    const auto first = [](double low, int least) { return std::max(least, static_cast<int>(std::floor(low))); };
     const auto last = [](double high, int size) { return std::min(size - 1, static_cast<int>(std::ceil(high))); };
-    const int x0 = first(u0 - du), x1 = last(u0 + du, width);
-    const int y0 = first(v0 - dv), y1 = last(v0 + dv, height);
+    const int x0 = first(u0 - du, frame_.x0), x1 = last(u0 + du, frame_.x1);
+    const int y0 = first(v0 - dv, frame_.y0), y1 = last(v0 + dv, frame_.y1);
     const std::int64_t n_object = object_pixels(x0, y0, x1, y1);
     if (n_object == 0) return Cover::background;
     return n_object == static_cast<std::int64_t>(x1 - x0 + 1) * (y1 - y0 + 1) ? Cover::object : Cover::mixed;
@@ -203,10 +228,13 @@ std::optional<double> SilhouetteCone::distance(const Vec3& point) const {
     if (projected.z() <= 0.0) return complete_ ? std::optional(std::numeric_limits<double>::infinity()) : std::nullopt;
     const double u = projected.x() / projected.z();
     const double v = projected.y() / projected.z();
-    const int width = distance_px_.width, height = distance_px_.height;
-    if (!complete_ && !(u >= -0.5 && v >= -0.5 && u <= width - 0.5 && v <= height - 0.5)) return std::nullopt;
+    if (!complete_) {
+        const Frame frame = frame_in_pixels();
+        if (!(u >= frame.left && v >= frame.top && u <= frame.right && v <= frame.bottom)) return std::nullopt;
+    }
 
-    // Beyond the frame of a complete view the background of its border goes on.
+    // Beyond what is kept, and beyond the image of a complete view, the background of the border goes on.
+    const int width = distance_px_.width, height = distance_px_.height;
     const double x = std::clamp(u, 0.0, width - 1.0);
     const double y = std::clamp(v, 0.0, height - 1.0);
     const int x0 = static_cast<int>(x), x1 = std::min(x0 + 1, width - 1);

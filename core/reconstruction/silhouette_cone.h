@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/capture/capture.h"
+#include "core/reconstruction/pixel_box.h"
 
 namespace anyrate {
 
@@ -47,14 +48,23 @@ public:
 
 private:
     void count_pixels(const MaskImage& mask);
+    /// How many of the pixels (x0, y0) .. (x1, y1) are the object's.
     std::int64_t object_pixels(int x0, int y0, int x1, int y1) const;
 
+    /// Where the image ends, half a pixel beyond the centres of its outermost pixels.
+    struct Frame {
+        double left, top, right, bottom;
+    };
+    Frame frame_in_pixels() const { return {frame_.x0 - 0.5, frame_.y0 - 0.5, frame_.x1 - 0.5, frame_.y1 - 0.5}; }
+
+    // Only the object and a margin are kept of the image; pixels count from the corner of that part.
+    PixelBox frame_;  // the whole image
     Mat34 P_;
     Vec3 centre_;
     Mat3 world_from_pixel_;
     double pixels_per_radian_;
     Image<float> distance_px_;  // at pixel centres, negative on the object
-    Image<std::uint32_t> sum_;  // object pixels above and to the left, one row and column larger than the mask
+    Image<std::uint32_t> sum_;  // object pixels above and to the left, one row and column larger than the part
     bool complete_ = false;
     Vec2 middle_px_ = Vec2::Zero();  // centroid of the mask
 };

@@ -18,11 +18,6 @@ enum Sum : std::size_t { count, a, aa, b, bb, ab, n_sums };
 
 }  // namespace
 
-void PixelBox::extend(int x, int y) {
-    if (is_empty()) *this = {x, y, x + 1, y + 1};
-    *this = {std::min(x0, x), std::min(y0, y), std::max(x1, x + 1), std::max(y1, y + 1)};
-}
-
 WindowCorrelation::WindowCorrelation(const Image<float>& reference, int radius)
     : radius_(radius),
       reference_(reference.width + 2 * radius, reference.height + 2 * radius, unknown),

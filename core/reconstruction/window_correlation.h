@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "core/capture/image.h"
+#include "core/reconstruction/pixel_box.h"
 
 namespace anyrate {
 
@@ -10,14 +11,6 @@ namespace anyrate {
 struct Parallax {
     Mat3 A = Mat3::Identity();
     Vec3 b = Vec3::Zero();
-};
-
-/// The pixels from (x0, y0) to just before (x1, y1).
-struct PixelBox {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-
-    bool is_empty() const { return x0 >= x1 || y0 >= y1; }
-    void extend(int x, int y);
 };
 
 /// Compares windows of a reference view with what a plane parallel to its image carries over from another view. The
