@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/memory.h"
 #include "core/mesh/topology.h"
+#include "core/parallel.h"
 #include "core/reconstruction/confirmed_depth.h"
 #include "core/reconstruction/depth_votes.h"
 #include "core/reconstruction/iso_surface.h"
@@ -40,6 +42,18 @@ constexpr double reach_cells = 3.0;
 // more.
 constexpr double handle_loop_cells = 8.0;
 
+/// The hull without its lids over cavities, and where the space behind them is free.
+struct Carved {
+    std::vector<OrientedPoint> points;
+    VoteField votes;
+};
+
+Carved carve_cavities(const VisualHull& hull, std::span<const DepthMap> swept) {
+    const std::vector<DepthMap> maps = confirm_depths(swept);
+    return {without_seen_through(hull.points, maps),
+            depth_votes(hull.lower, hull.upper, maps, {.spacing = vote_cells * hull.cell})};
+}
+
 }  // namespace
 
 InitialSurface initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress) {
@@ -49,23 +63,24 @@ InitialSurface initial_surface(const Capture& capture, const PhotoImages& images
     report(Stage::hull, 0.0);
     const VisualHull hull = visual_hull(capture);
     report(Stage::hull, 0.5);
+    give_back_freed_memory();
     const auto swept = plane_sweep(images, hull);
-    const auto maps = confirm_depths(swept);
-    const auto points = without_seen_through(hull.points, maps);
-    const VoteField votes = depth_votes(hull.lower, hull.upper, maps, {.spacing = vote_cells * hull.cell});
+    give_back_freed_memory();
+    const Carved carved = carve_cavities(hull, swept);
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
-    const ScalarField field = poisson_field(points, {.spacing = spacing}, votes);
+    const ScalarField field = poisson_field(carved.points, {.spacing = spacing}, carved.votes);
     report(Stage::poisson, 0.5);
     const Mesh surface = largest_component(iso_surface(field));
     // What some views find is shown, even if others contradict it: the optimiser will find out.
     ConfirmOptions contradicted;
     contradicted.conflict_px = std::numeric_limits<double>::infinity();
-    const auto shown = confirm_depths(swept, contradicted);
+    std::vector<DepthMap> shown;
     InitialSurface initial;
-    initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing);
+    parallel_invoke([&] { shown = confirm_depths(swept, contradicted); },
+                    [&] { initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing); });
     initial.guessed =
         GuessedSurface(guessed_points(initial.mesh, hull.points, shown, {.reach = hull_reach_cells * hull.cell}),
                        reach_cells * spacing);

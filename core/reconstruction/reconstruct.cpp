@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/mesh/decimate.h"
 #include "core/mesh/nearest_surface.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/subdivide.h"
+#include "core/parallel.h"
+#include "core/reconstruction/capture_frame.h"
 #include "core/reconstruction/confirm_guesses.h"
 #include "core/reconstruction/exposure.h"
 #include "core/reconstruction/flow.h"
@@ -123,7 +127,7 @@ const char* stage_name(Stage stage) {
     return "";
 }
 
-ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& options, ModelSink& sink,
+ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options, ModelSink& sink,
                               const ProgressFn& progress, std::stop_token stop) {
     check(options);
     const auto tell = [&](const Progress& p) {
@@ -131,16 +135,23 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     };
 
     // Step 1: hull, Poisson, remesh.
+    const CaptureFrame frame = to_own_frame(capture);
     PhotoImages images = make_photo_images(capture);
+    for (View& view : capture.views) view.image = {};  // from here on the masks will do
     InitialSurface initial = initial_surface(capture, images, tell);
-    even_out_exposure(images, initial.mesh);
+    give_back_freed_memory();
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     tell({Stage::remesh, 0, 0, 0});
     const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
-    Mesh mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : n_even});
-
-    Silhouettes silhouettes(capture);
+    Mesh mesh;
+    std::optional<Silhouettes> silhouettes_of_capture;
+    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : n_even}); },
+                    [&] {
+                        even_out_exposure(images, initial.mesh);
+                        silhouettes_of_capture.emplace(capture);
+                    });
+    Silhouettes& silhouettes = *silhouettes_of_capture;
     const auto backend = make_cpu_backend(images);
     const auto sampler = make_cpu_backend(images, options.sampling);
     ReconstructResult result;
@@ -171,7 +182,7 @@ ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
     const RefinementRules rules;
-    RefinableMesh state(sink.start(grid, rules, to_base(mesh, grid)), grid, rules);
+    RefinableMesh state(sink.start(frame.in_world(grid), rules, to_base(mesh, grid)), grid, rules);
     RefineOptions refinement;
     refinement.n_vertices = options.n_vertices;
     refinement.by_area = options.method == Method::uniform;

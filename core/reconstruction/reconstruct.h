@@ -48,9 +48,11 @@ struct ReconstructResult {
 };
 
 /// The whole method: hull, Poisson, remesh, then the loop visibility - photo-consistency - flow - refine - emit.
-/// The same capture and options give the same calls of the sink for any number of threads.
+/// The same capture and options give the same calls of the sink for any number of threads; so does a capture that
+/// differs in the world's unit and origin alone, but for the grid's.
+/// @param capture  its colours are given back as soon as they have been prepared for sampling: move it here
 /// @throws InputError if the silhouettes have no common inside, or the counts are out of range
-ReconstructResult reconstruct(const Capture& capture, const ReconstructOptions& options, ModelSink& sink,
+ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options, ModelSink& sink,
                               const ProgressFn& progress = {}, std::stop_token stop = {});
 
 }  // namespace anyrate

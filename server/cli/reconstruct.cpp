@@ -97,7 +97,7 @@ int reconstruct_capture(const ReconstructCommand& request) {
     const Interrupt interrupt;
     const ThreadLimit threads(request.n_threads);
     StageClock clock;
-    const Capture capture = load_capture(request.capture, request.load);
+    Capture capture = load_capture(request.capture, request.load);
 
     const TemporaryLog temporary(request.model);
     std::vector<ReportPoint> curve;
@@ -111,7 +111,7 @@ int reconstruct_capture(const ReconstructCommand& request) {
             clock.switch_to(activity_of(progress.stage));
             if (!request.quiet) bar.show(progress);
         };
-        return reconstruct(capture, request.reconstruct, sink, on_progress, interrupt.token());
+        return reconstruct(std::move(capture), request.reconstruct, sink, on_progress, interrupt.token());
     }();
     if (curve.empty()) {
         std::fprintf(stderr, "anyrate: interrupted before the coarse mesh was there; no model was written\n");

@@ -73,13 +73,13 @@ bool make_model(const Job& job, const JobSteps& steps, const Report& report, std
         return true;
     }
     progress.stage("load");
-    const Capture capture = steps.load(job.paths.capture);
+    Capture capture = steps.load(job.paths.capture);
     if (stop.stop_requested()) return false;
     DurableSink sink(log_id_of_attempt(job.model_id, job.attempt), job.paths.live_log,
                      [&](const RatePoint& point) { progress.point(point); });
     const ReconstructOptions options{.n_vertices = job.options.n_vertices, .n_coarse = job.options.n_coarse};
     const ReconstructResult result = steps.reconstruct(
-        capture, options, sink, [&](const Progress& now) { progress.reconstruction(now); }, stop);
+        std::move(capture), options, sink, [&](const Progress& now) { progress.reconstruction(now); }, stop);
     if (result.stopped) return false;
     progress.stage("seal");
     sink.seal(job.paths.sealed_log);
@@ -91,9 +91,9 @@ bool make_model(const Job& job, const JobSteps& steps, const Report& report, std
 
 JobSteps real_job_steps() {
     return {.load = [](const std::filesystem::path& file) { return load_capture(file); },
-            .reconstruct = [](const Capture& capture, const ReconstructOptions& options, ModelSink& sink,
-                              const ProgressFn& progress,
-                              std::stop_token stop) { return reconstruct(capture, options, sink, progress, stop); }};
+            .reconstruct =
+                [](Capture capture, const ReconstructOptions& options, ModelSink& sink, const ProgressFn& progress,
+                   std::stop_token stop) { return reconstruct(std::move(capture), options, sink, progress, stop); }};
 }
 
 void run_job(const Job& job, const JobSteps& steps, const Report& report, std::stop_token stop) {

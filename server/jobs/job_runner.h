@@ -22,8 +22,7 @@ struct Job {
 /// The two steps that make a model; tests put quick ones in their place.
 struct JobSteps {
     std::function<Capture(const std::filesystem::path& folder_or_zip)> load;
-    std::function<ReconstructResult(const Capture&, const ReconstructOptions&, ModelSink&, const ProgressFn&,
-                                    std::stop_token)>
+    std::function<ReconstructResult(Capture, const ReconstructOptions&, ModelSink&, const ProgressFn&, std::stop_token)>
         reconstruct;
 };
 /// load_capture() and reconstruct().
