@@ -15,7 +15,7 @@ constexpr double first_damping = 0.1;  ///< 0.01 overshoots into pits that no st
 constexpr int most_trials = 4;         ///< of a step, each damped eight times more than the one before
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
-constexpr double noisy_psi = 600;       ///< where smoothness counts twice
+constexpr double noisy_psi = 600;       ///< where smoothness counts twice and silhouettes thrice
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
 
@@ -104,7 +104,9 @@ private:
             first_samples_ += t.distortion.n_samples;
         }
         const double psi = first_samples_ > 0 ? phi / first_samples_ : 0.0;
-        for (double& weight : silhouette_weights_) weight *= options_.silhouette * std::max(psi, clean_psi);
+        const double noise = psi / noisy_psi;
+        for (double& weight : silhouette_weights_)
+            weight *= options_.silhouette * (1 + 2 * noise) * std::max(psi, clean_psi);
 
         std::vector<double> curvature(vertices_.size(), 0.0);
         for (std::size_t i = 0; i < faces_.size(); ++i)
@@ -116,7 +118,7 @@ private:
             n_with_evidence += curvature[at(v)] > 0 ? 1 : 0;
         }
         const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0;
-        bending_ = options_.bending * mean * (1 + psi / noisy_psi);
+        bending_ = options_.bending * mean * (1 + noise);
         rest_ = umbrellas({vertices_, triangles_}, rings_, normals_, active_);
         for (std::size_t i = 0; i < active_.size(); ++i)
             rest_[i] *= 1 - curvature[at(active_[i])] / (curvature[at(active_[i])] + weak_evidence * mean);

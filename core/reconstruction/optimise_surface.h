@@ -19,8 +19,9 @@ struct OptimiseOptions {
     double tangential = 0.3;           ///< part of Eq. 12's step taken after each round, 0 none
     double silhouette_reach_px = 3.0;  ///< see Silhouettes::terms()
     double bending = 0.04;             ///< weight of a vertex's squared umbrella, in parts of the mean curvature of phi
-    double silhouette =
-        0.3;  ///< weight of a squared pixel, per pixel of contour, in parts of psi, or of a clean surface's
+    /// Weight of a squared pixel, per pixel of contour, in parts of psi, or of a clean surface's. With 0.3 masks that
+    /// are two pixels too small cost nefertiti 63 % of its accuracy, with 0.12 a third.
+    double silhouette = 0.12;
 };
 
 /// Step 2 at a fixed rate: moves the active vertices along their normals to where the images agree most, by damped

@@ -28,6 +28,9 @@ class Silhouettes {
 public:
     explicit Silhouettes(const Capture& capture);
 
+    /// Makes the cameras show what they have shown shifts[i] pixels further on.
+    void shift_views(std::span<const Vec2> shifts);
+
     /// Renders what the surface covers in every view, once for many terms().
     void look(const SurfaceView& surface);
 

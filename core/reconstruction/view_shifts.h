@@ -1,0 +1,21 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/surface_view.h"
+
+namespace anyrate {
+
+/// By how much every view shows a surface beside where its camera puts it, pixels of the photographs: a camera that is
+/// turned a little wrongly moves its whole image. For each view in turn the shift at which its colours fit the mean of
+/// what the others show of the same points, by Gauss-Newton steps with robust weights; the surface is taken as it is.
+/// A view that shares too little with others has the shift 0.
+/// Source: Lucas and Kanade 1981, "An iterative image registration technique", with the surface to carry the template.
+/// @param level  of the pyramid, where colours are compared
+std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& surface, int level);
+
+/// Makes the cameras show what they have shown shifts[i] pixels (of level 0) further on.
+void shift_views(PhotoImages& images, std::span<const Vec2> shifts);
+
+}  // namespace anyrate
