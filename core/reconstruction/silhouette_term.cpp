@@ -121,8 +121,7 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
 void Silhouettes::shift_views(std::span<const Vec2> shifts) {
     for (std::size_t i = 0; i < shifts.size(); ++i) {
         views_[i].P.topRows<2>() += shifts[i] * views_[i].P.row(2);
-        PhotoLevel& level = views_[i].coverage_level;
-        level.P.topRows<2>() += views_[i].coverage_scale * shifts[i] * level.P.row(2);
+        shift_camera(views_[i].coverage_level, views_[i].coverage_scale * shifts[i]);
     }
 }
 

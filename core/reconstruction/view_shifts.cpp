@@ -13,24 +13,40 @@ namespace {
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr int n_iterations = 4;
-constexpr double least_cos = 0.5;     // of the angle under which a view sees a point
-constexpr double hidden_px = 2.0;     // behind the nearest surface, in pixels of the depth map
-constexpr float usual_residual = 12;  // of 255: larger ones count for less
-constexpr double least_slope = 1;     // of colour, per pixel: an image with less has little to hold on to
-constexpr int fewest_others = 2;      // views that a view is compared with at a point
-constexpr std::size_t fewest_points = 100;
+constexpr double most_step_px = 1.0;     // of an iteration, in pixels of the level
+constexpr double least_cos = 0.5;        // of the angle under which a view sees a point
+constexpr double hidden_px = 2.0;        // behind the nearest surface, in pixels of the depth map
+constexpr double usual_residual = 12.0;  // of 255: larger ones count for less
+constexpr double least_slope = 1.0;      // of colour, per pixel: an image with less has little to hold on to
+constexpr float fewest_views = 3.0F;     // at a point that counts
+constexpr int fewest_points = 100;       // of a view that is shifted
 
-// A vertex where a view sees it.
+// A vertex where a view shows it, by its camera and by its camera and the shift so far.
 struct Sighting {
-    std::int32_t vertex;
-    Vec2 pixel;  // of the level
+    std::int32_t vertex = 0;
+    Vec2 pixel = Vec2::Zero();  // of the level, by the camera
+    ColourSample colour{};      // there and a shift further on
+    bool has_colour = false;
+};
+
+// A view while its shift is looked for.
+struct ShiftedView {
+    const PhotoLevel* image = nullptr;
+    std::vector<Sighting> sightings;
+    Vec2 shift = Vec2::Zero();  // pixels of the level
+
+    void look() {
+        for (Sighting& s : sightings) {
+            const Vec2 x = s.pixel + shift;
+            s.has_colour = sample_colour(*image, x.x(), x.y(), s.colour);
+        }
+    }
 };
 
 std::vector<Sighting> sightings(const PhotoView& view, int level, const SurfaceView& surface,
                                 const std::vector<Vec3>& normals) {
     const PhotoLevel& image = view.levels[at(level)];
-    const PhotoLevel depth_level = without_colours(image);
-    const Image<float> inverse_depth = render_inverse_depth(depth_level, surface);
+    const Image<float> inverse_depth = render_inverse_depth(without_colours(image), surface);
     const double px = std::ldexp(1.0, level + 1) / view.focal_px;
     std::vector<Sighting> seen;
     for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
@@ -38,75 +54,69 @@ std::vector<Sighting> sightings(const PhotoView& view, int level, const SurfaceV
         if (normals[v].dot((view.centre - p).normalized()) < least_cos) continue;
         const Vec3 x = image.P * p.homogeneous();
         if (!(x.z() > 0)) continue;
-        const Vec2 pixel = x.hnormalized();
-        const int u = static_cast<int>((pixel.x() + 0.5) / 2), w = static_cast<int>((pixel.y() + 0.5) / 2);
-        if (!inverse_depth.contains(u, w) || x.z() * inverse_depth(u, w) > 1 + hidden_px * px) continue;
-        seen.push_back({static_cast<std::int32_t>(v), pixel});
+        Sighting sighting;
+        sighting.vertex = static_cast<std::int32_t>(v);
+        sighting.pixel = x.hnormalized();
+        const int column = static_cast<int>((sighting.pixel.x() + 0.5) / 2),
+                  row = static_cast<int>((sighting.pixel.y() + 0.5) / 2);
+        if (!inverse_depth.contains(column, row) || x.z() * inverse_depth(column, row) > 1 + hidden_px * px) continue;
+        seen.push_back(sighting);
     }
     return seen;
+}
+
+// The colours that all views show of each vertex: their sum, and in the last place their number.
+using ColourSums = std::vector<Eigen::Vector4f>;
+
+ColourSums sum_colours(std::span<const ShiftedView> views, std::size_t n_vertices) {
+    ColourSums sums(n_vertices, Eigen::Vector4f::Zero());
+    for (const ShiftedView& view : views)
+        for (const Sighting& s : view.sightings)
+            if (s.has_colour) sums[at(s.vertex)] += Eigen::Vector4f(s.colour.c[0], s.colour.c[1], s.colour.c[2], 1.0F);
+    return sums;
+}
+
+// The Gauss-Newton step towards the mean of what the others show.
+Vec2 step_to_others(const ShiftedView& view, const ColourSums& sums) {
+    Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+    Vec2 b = Vec2::Zero();
+    int n_points = 0;
+    for (const Sighting& s : view.sightings) {
+        const Eigen::Vector4f& sum = sums[at(s.vertex)];
+        if (!s.has_colour || sum[3] < fewest_views) continue;
+        ++n_points;
+        for (int k = 0; k < 3; ++k) {
+            const double of_others = (sum[k] - s.colour.c[k]) / (sum[3] - 1.0F);
+            const double residual = s.colour.c[k] - of_others;
+            const double relative = residual / usual_residual;
+            const double weight = 1 / (1 + relative * relative);
+            const Vec2 slope(s.colour.dx[k], s.colour.dy[k]);
+            A += weight * slope * slope.transpose();
+            b -= weight * residual * slope;
+        }
+    }
+    if (n_points < fewest_points) return Vec2::Zero();
+    A.diagonal().array() += 3 * n_points * least_slope * least_slope;
+    return A.ldlt().solve(b).cwiseMax(-most_step_px).cwiseMin(most_step_px);
 }
 
 }  // namespace
 
 std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& surface, int level) {
     const std::vector<Vec3> normals = vertex_normals(surface, OneRings(surface));
-    const std::size_t n_views = images.views.size(), n_vertices = surface.vertices.size();
-    std::vector<std::vector<Sighting>> seen(n_views);
-    parallel_for(
-        n_views, [&](std::size_t i) { seen[i] = sightings(images.views[i], level, surface, normals); }, 1);
-
-    std::vector<Vec2> shifts(n_views, Vec2::Zero());  // pixels of the level
-    std::vector<std::vector<ColourSample>> colours(n_views);
-    std::vector<std::vector<char>> known(n_views);
-    std::vector<Eigen::Vector4f> sums(n_vertices);  // of the colours, and their number
+    std::vector<ShiftedView> views(images.views.size());
+    const auto for_each_view = [&](const auto& body) { parallel_for(views.size(), body, 1); };
+    for_each_view([&](std::size_t i) {
+        views[i].image = &images.views[i].levels[at(level)];
+        views[i].sightings = sightings(images.views[i], level, surface, normals);
+    });
     for (int iteration = 0; iteration < n_iterations; ++iteration) {
-        parallel_for(
-            n_views,
-            [&](std::size_t i) {
-                colours[i].resize(seen[i].size());
-                known[i].resize(seen[i].size());
-                const PhotoLevel& image = images.views[i].levels[at(level)];
-                for (std::size_t k = 0; k < seen[i].size(); ++k) {
-                    const Vec2 x = seen[i][k].pixel + shifts[i];
-                    known[i][k] = sample_colour(image, x.x(), x.y(), colours[i][k]);
-                }
-            },
-            1);
-        std::fill(sums.begin(), sums.end(), Eigen::Vector4f::Zero());
-        for (std::size_t i = 0; i < n_views; ++i)
-            for (std::size_t k = 0; k < seen[i].size(); ++k)
-                if (known[i][k]) {
-                    const float* c = colours[i][k].c;
-                    sums[at(seen[i][k].vertex)] += Eigen::Vector4f(c[0], c[1], c[2], 1);
-                }
-        parallel_for(
-            n_views,
-            [&](std::size_t i) {
-                Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
-                Vec2 b = Vec2::Zero();
-                std::size_t n_points = 0;
-                for (std::size_t k = 0; k < seen[i].size(); ++k) {
-                    const Eigen::Vector4f& sum = sums[at(seen[i][k].vertex)];
-                    if (!known[i][k] || sum[3] < 1 + fewest_others) continue;
-                    const ColourSample& s = colours[i][k];
-                    ++n_points;
-                    for (int c = 0; c < 3; ++c) {
-                        const double residual = s.c[c] - (sum[c] - s.c[c]) / (sum[3] - 1);
-                        const double relative = residual / usual_residual;
-                        const double weight = 1 / (1 + relative * relative);
-                        const Vec2 g(s.dx[c], s.dy[c]);
-                        A += weight * g * g.transpose();
-                        b -= weight * residual * g;
-                    }
-                }
-                if (n_points < fewest_points) return;
-                A += Eigen::Matrix2d::Identity() * (3.0 * static_cast<double>(n_points) * least_slope * least_slope);
-                const Vec2 step = A.ldlt().solve(b);
-                shifts[i] += step.cwiseMax(-1).cwiseMin(1);
-            },
-            1);
+        for_each_view([&](std::size_t i) { views[i].look(); });
+        const ColourSums sums = sum_colours(views, surface.vertices.size());
+        for_each_view([&](std::size_t i) { views[i].shift += step_to_others(views[i], sums); });
     }
-    for (Vec2& shift : shifts) shift *= std::ldexp(1.0, level);
+    std::vector<Vec2> shifts;
+    for (const ShiftedView& view : views) shifts.push_back(std::ldexp(1.0, level) * view.shift);
     return shifts;
 }
 
@@ -114,7 +124,7 @@ void shift_views(PhotoImages& images, std::span<const Vec2> shifts) {
     for (std::size_t i = 0; i < shifts.size(); ++i) {
         double scale = 1;
         for (PhotoLevel& level : images.views[i].levels) {
-            level.P.topRows<2>() += scale * shifts[i] * level.P.row(2);
+            shift_camera(level, scale * shifts[i]);
             scale /= 2;
         }
     }

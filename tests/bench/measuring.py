@@ -100,9 +100,13 @@ class Bench:
         told.update(wall_seconds=done.seconds, cpu_seconds=done.cpu_seconds, peak_memory_bytes=done.peak_memory_bytes)
         return model, told
 
+    def mesh_of(self, name, n_vertices=None):
+        """Where decode() puts the mesh of a model that reconstruct() named."""
+        return self.work / f"{name}-{n_vertices or 'all'}.ply"
+
     def decode(self, model, n_vertices=None):
         budget = [] if n_vertices is None else ["--vertices", n_vertices]
-        mesh = self.work / f"{model.stem}-{n_vertices or 'all'}.ply"
+        mesh = self.mesh_of(model.stem, n_vertices)
         run(self.anyrate, "decode", model, "-o", mesh, *budget)
         return mesh
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include <Eigen/Geometry>
+
 #include "core/reconstruction/optimise_surface.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
@@ -76,6 +78,29 @@ TEST_CASE("Confirm guesses: a dent that the photographs contradict goes, though 
     confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
     for (const Vec3& v : mesh.vertices)
         if (is_in_patch(v)) CHECK(std::abs(v.norm() - 1) < 0.02);
+}
+
+TEST_CASE("Confirm guesses: where every photograph shows something else, what was no guess becomes one") {
+    Scene scene;
+    for (std::size_t i = 0; i < scene.capture.views.size(); ++i) {
+        const auto of_this_view = [i](const Vec3& p) {
+            const Vec3 turned = Eigen::AngleAxisd(1.7 * static_cast<double>(i), Vec3::UnitX()) * Vec3(2 * p);
+            return is_in_patch(p) ? wavy_paint(turned) : wavy_paint(p);
+        };
+        scene.capture.views[i].image = painted_sphere(12, 160, of_this_view).views[i].image;
+    }
+    scene.images = make_photo_images(scene.capture, 3);
+    Mesh mesh = icosphere(3);
+    const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
+    const std::vector<char> is_guessed = left.vertices(mesh);
+    int n_in_patch = 0;
+    for (std::size_t v = 0; v < is_guessed.size(); ++v) {
+        if (is_guessed[v] == 0) continue;
+        n_in_patch += is_in_patch(mesh.vertices[v]) ? 1 : 0;
+        CHECK(mesh.vertices[v].normalized().x() > 0.75);  // the patch and what touches it
+        CHECK(std::abs(mesh.vertices[v].norm() - 1) < 0.05);
+    }
+    CHECK(n_in_patch > 5);
 }
 
 TEST_CASE("Confirm guesses: nothing moves where the photographs agree and nothing was guessed") {

@@ -119,6 +119,25 @@ TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, on t
         CHECK(std::abs(v.norm() - 1.0) < 0.05);  // a sixth of an edge of the base
 }
 
+TEST_CASE("Refine: new vertices start on the fitted surface where neither photographs nor silhouettes say anything") {
+    constexpr double radius = 1.03;
+    RefinableMesh state(on_grid(icosphere(3), unit_grid), unit_grid, {});
+    const std::int32_t n_old = state.n_vertices();
+    GrowingDistortion backend;
+    Silhouettes silhouettes((Capture()));
+    const NearestSurface fitted(icosphere(5, radius));
+    Recorder recorder;
+    recorder.start(state.grid(), {}, on_grid(icosphere(3), unit_grid));
+    RefineOptions options;
+    options.n_vertices = n_old + 60;
+    refine(state, backend, silhouettes, make_photo_images(capture()), GuessedSurface(), fitted, options, recorder, {},
+           {});
+    REQUIRE(state.n_vertices() > n_old + 50);
+    const std::vector<Vec3> vertices = state.to_mesh().vertices;
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+        CHECK(std::abs(vertices[v].norm() - (v < static_cast<std::size_t>(n_old) ? 1.0 : radius)) < 0.01);
+}
+
 TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {
     Recorder recorder;
     const ReconstructResult result = reconstruct(capture(), small, recorder);
