@@ -12,6 +12,8 @@ import tempfile
 import unittest
 import xml.dom.minidom
 
+import ablation
+
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path(os.environ.get("ANYRATE_BUILD") or HERE.parents[1] / "build")
 SIZE = ["--coarse", "250", "--build", str(BUILD)]
@@ -82,6 +84,21 @@ class Smoke(unittest.TestCase):
         self.assertTrue(rows["clean"]["one_closed_manifold"])
         for name in ("scale_1000", "gain_20_percent"):
             self.assertGreater(rows[name]["error_ratio"], 0)
+
+    def test_ablation_can_switch_off_every_technique(self):
+        """Only that its edits still find their line: building a variant of the sources takes minutes."""
+        for technique in ablation.TECHNIQUES:
+            with self.subTest(technique.name):
+                text = (ablation.ROOT / technique.file).read_text()
+                self.assertEqual(text.count(technique.on), 1)
+                self.assertNotEqual(technique.on, technique.off)
+
+    def test_ablation_tells_what_a_technique_is_worth(self):
+        told = {"seen_percent": 0.03, "psi": 12.0}
+        row = {"what": "what it is", "captures": {"a": ablation.with_ratios(told, {"seen_percent": 0.02, "psi": 6.0})}}
+        table = ablation.markdown({"whole": {"a": {}}, "techniques": {"one": row, "two": {"what": "other", "failed": "x"}}})
+        self.assertIn("| one: what it is | 1.50, 2.00 |", table)
+        self.assertIn("| two: other | failed |", table)
 
     def test_captures_that_are_not_here_are_skipped_with_a_message(self):
         result, said = bench("accuracy.py", "--captures", "nefertiti", *SIZE)

@@ -1,0 +1,267 @@
+#!/usr/bin/env python3
+"""What each technique beyond the paper is worth: the method without it against the whole; prints one JSON object.
+
+usage: tests/bench/ablation.py [--captures NAME...] [--only NAME...] [--vertices N] [--out FOLDER]
+
+Takes a copy of the sources into the work folder and builds it; then, technique by technique, changes the one line of the
+copy that switches it off, builds again and reconstructs. A row has the error where two cameras see the true surface, Psi
+and seconds of every capture, and the ratios to the whole method ("error_ratio" above 1: the technique helps). A technique
+for imperfect captures is measured on one: made by perturb_capture, judged by the cameras of the clean one.
+With --out, a table in Markdown as well.
+"""
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass, field
+
+from measuring import ROOT, CommandFailed, evaluator, find_capture, finish, in_work_folder, machine, note, parser, run
+
+CORE = "core/reconstruction/"
+
+
+@dataclass
+class Technique:
+    name: str
+    what: str  # it is
+    file: str
+    on: str  # text that occurs once in the file
+    off: str
+    perturbation: list = field(default_factory=list)  # arguments of perturb_capture
+
+
+TECHNIQUES = [
+    Technique(
+        "long_range_start",
+        "depths of a plane sweep open the hull's lids over cavities",
+        CORE + "initial_mesh.cpp",
+        "const std::vector<DepthMap> maps = confirm_depths(swept);",
+        "const std::vector<DepthMap> maps;",
+    ),
+    Technique(
+        "guesses",
+        "what no image shows is bent and put on trial",
+        CORE + "reconstruct.cpp",
+        "        initial.guessed = confirm_guesses(*sampler, silhouettes, initial.guessed, mesh, {}, stop);\n",
+        "",
+    ),
+    Technique(
+        "coarse_to_fine",
+        "vertices first move on coarse image levels",
+        CORE + "reconstruct.cpp",
+        "constexpr int coarsest_level = 3;",
+        "constexpr int coarsest_level = 0;",
+    ),
+    Technique(
+        "fine_mesh",
+        "each face becomes four for the photographs themselves",
+        CORE + "reconstruct.cpp",
+        "        if (level == 0) mesh = subdivide(mesh);\n",
+        "",
+    ),
+    Technique(
+        "quadric_base",
+        "the base's vertices stand where the surface bends",
+        CORE + "reconstruct.cpp",
+        "Mesh base = decimate(optimised, n_vertices);",
+        "Mesh base = remesh_isotropic(optimised, {.n_vertices = n_vertices});",
+    ),
+    Technique(
+        "roll_back",
+        "a step that does not lower the energy is taken back and damped",
+        CORE + "optimise_surface.cpp",
+        "if (energy_ < before) {",
+        "{",
+    ),
+    Technique(
+        "damped_start",
+        "the first step is damped ten times more",
+        CORE + "optimise_surface.cpp",
+        "first_damping = 0.1;",
+        "first_damping = 0.01;",
+    ),
+    Technique(
+        "silhouette_term",
+        "contours are drawn to the masks' borders",
+        CORE + "optimise_surface.h",
+        "double silhouette = 0.12;",
+        "double silhouette = 0.0;",
+    ),
+    Technique(
+        "bending_term",
+        "vertices that the images say much of bend towards flat",
+        CORE + "optimise_surface.h",
+        "double bending = 0.04;",
+        "double bending = 0.0;",
+    ),
+    Technique(
+        "half_resolution_depth",
+        "a pixel of depth hides what is mixed along contours",
+        CORE + "visibility.h",
+        "int finest_level = 1;",
+        "int finest_level = 0;",
+    ),
+    Technique(
+        "ranking_by_gain",
+        "faces are split where a split promises most, not where phi is largest",
+        CORE + "refine.cpp",
+        "expected_gain(now.terms[f]) + fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]);",
+        "now.terms[f].distortion.phi + 0 * (expected_gain(now.terms[f]) +\n"
+        "                              fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]));",
+    ),
+    Technique(
+        "fitted_start",
+        "new vertices start on the finer surface of step 2",
+        CORE + "refine.cpp",
+        "const double most = most_offset_edges * edges[v];",
+        "const double most = 0 * most_offset_edges * edges[v];",
+    ),
+    Technique(
+        "spare_splits",
+        "more splits are tried than taken",
+        CORE + "refine.cpp",
+        "constexpr double spare_splits = 0.25;",
+        "constexpr double spare_splits = 0.0;",
+    ),
+    Technique(
+        "dense_batches",
+        "batches sample 1.4 times as densely as the measure",
+        CORE + "refine.cpp",
+        "constexpr double sample_density = 1.4;",
+        "constexpr double sample_density = 1.0;",
+    ),
+    Technique(
+        "aligned_views",
+        "cameras turn to where they show the surface; here half a pixel off",
+        CORE + "reconstruct.cpp",
+        "constexpr double least_shift_px = 0.1;",
+        "constexpr double least_shift_px = 1e9;",
+        ["--pose-noise", 0.5],
+    ),
+    Technique(
+        "even_exposure",
+        "views' gains are evened out; here 20 % apart",
+        CORE + "exposure.cpp",
+        "constexpr double least_gain = 1.02;",
+        "constexpr double least_gain = 1e9;",
+        ["--gain", 0.2],
+    ),
+]
+
+
+def rewrite(path, before, after):
+    text = path.read_text()
+    if text.count(before) != 1:
+        raise CommandFailed(f"{path}: expected once, found {text.count(before)} times: {before.strip()}")
+    path.write_text(text.replace(before, after))
+
+
+def copy_sources(folder):
+    """The files that the working tree has under version control, or its own copy of them if it is none."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in filter(None, listed.split("\0")):
+        if (ROOT / name).is_file() and not name.startswith(("web/", "tests/bench/results/")):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / name, folder / name)
+
+
+def build(folder):
+    # Without warnings as errors: what a technique leaves behind is unused.
+    run("cmake", "-S", folder, "-B", folder / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DANYRATE_WERROR=OFF")
+    run("cmake", "--build", folder / "build", "--target", "anyrate")
+    return folder / "build" / "anyrate"
+
+
+def measured(bench, binary, capture, judge, name, options):
+    """One capture by one build: error in percent of the diagonal, Psi of the whole model, seconds."""
+    bench.anyrate = binary
+    size = ["--vertices", options.vertices, "--coarse", options.coarse]
+    model, report = bench.reconstruct(capture, name, *size)
+    seen = bench.seen(bench.decode(model), judge)
+    row = {
+        "seen_percent": 100 * seen["mean"] if seen else None,
+        "psi": report["curve"][-1]["psi"],
+        "wall_seconds": report["wall_seconds"],
+    }
+    note(f"{name}: {row['seen_percent']:.4f} %, psi {row['psi']:.1f}, {row['wall_seconds']:.1f} s")
+    return row
+
+
+def with_ratios(row, whole):
+    return {**row, "error_ratio": row["seen_percent"] / whole["seen_percent"], "psi_ratio": row["psi"] / whole["psi"]}
+
+
+def ablate(bench, technique, sources, captures, whole, options):
+    """The row of one technique: of every capture, what the method without it makes."""
+
+    def of_all(binary, variant):
+        rows = {}
+        for capture in captures:
+            photographs = capture
+            if technique.perturbation:
+                photographs = bench.work / f"{capture.name}-{technique.name}"
+                if not photographs.exists():
+                    bench.tool("perturb_capture", capture, "-o", photographs, *technique.perturbation)
+            rows[capture.name] = measured(bench, binary, photographs, capture, f"{capture.name}-{variant}", options)
+        return rows
+
+    whole_binary = sources / "whole"
+    if technique.perturbation:
+        whole = of_all(whole_binary, f"with-{technique.name}")
+    changed = sources / technique.file
+    original = changed.read_text()
+    rewrite(changed, technique.on, technique.off)
+    try:
+        rows = of_all(build(sources), f"without-{technique.name}")
+    except CommandFailed as failure:
+        note(f"without {technique.name}: {failure}")
+        return {"what": technique.what, "failed": str(failure)}
+    finally:
+        changed.write_text(original)
+    return {"what": technique.what, "captures": {name: with_ratios(row, whole[name]) for name, row in rows.items()}}
+
+
+def markdown(result):
+    """The table for people: without the technique, error and Psi in parts of the whole method's."""
+    names = list(result["whole"])
+    lines = ["| without | " + " | ".join(f"{n}: error, Psi" for n in names) + " |", "|---|" + "---|" * len(names)]
+    for name, row in result["techniques"].items():
+        cells = [
+            "failed" if "failed" in row else "{error_ratio:.2f}, {psi_ratio:.2f}".format(**row["captures"][n]) for n in names
+        ]
+        lines.append(f"| {name}: {row['what']} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    options = parser(__doc__, ["nefertiti", "bowl"])
+    names = [technique.name for technique in TECHNIQUES]
+    options.add_argument("--only", nargs="+", choices=names, default=names, help="the techniques to take away")
+    options.add_argument("--vertices", type=int, default=10000)
+    options.add_argument("--coarse", type=int, default=2500)
+    options = options.parse_args()
+
+    def measure(bench):
+        captures = [capture for capture in map(find_capture, options.captures) if capture is not None]
+        sources = bench.work / "sources"
+        copy_sources(sources)
+        whole_binary = shutil.copy2(build(sources), sources / "whole")
+        whole = {c.name: measured(bench, whole_binary, c, c, f"{c.name}-whole", options) for c in captures}
+        result = {"machine": machine(), "distances_by": evaluator(), "vertices": options.vertices, "whole": whole}
+        result["techniques"] = {
+            technique.name: ablate(bench, technique, sources, captures, whole, options)
+            for technique in TECHNIQUES
+            if technique.name in options.only
+        }
+        if options.out is not None:
+            options.out.mkdir(parents=True, exist_ok=True)
+            (options.out / "ablation.md").write_text(markdown(result))
+        return result
+
+    finish(in_work_folder(options, measure), options, "ablation")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except CommandFailed as failure:
+        sys.exit(str(failure))
