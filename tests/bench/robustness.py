@@ -6,8 +6,8 @@ usage: tests/bench/robustness.py [--captures NAME] [--only NAME...] [--vertices 
 For each: the mean distance to the true surface where two cameras of the clean capture see it, over that of the clean one
 ("error_ratio"; asked for is at most 1.5, and 1 within 1 % for scale and origin); where images are cropped, both are judged
 where two cameras of the cropped capture see the surface, since nobody can rebuild what no image shows; whether the mesh is
-closed, manifold and of one piece, its genus and its self-intersections; seconds and peak memory. A reconstruction that fails is a row with
-"failed" instead, and the others go on. The captures are made by perturb_capture in a temporary folder.
+closed, manifold and of one piece, its genus and its self-intersections; seconds and peak memory. A reconstruction that
+fails is a row with "failed" instead, and the others go on. The captures are made by perturb_capture in a temporary folder.
 --huge adds 100 images of 12 megapixels, which takes long and tens of gigabytes of disk.
 """
 import sys
