@@ -34,4 +34,11 @@ struct Camera {
     }
 };
 
+/// The projection matrix of the same view when what stood at pixel x stands at x + by.
+inline Mat34 with_moved_pixels(const Mat34& P, const Vec2& by) {
+    Mat34 moved = P;
+    moved.topRows<2>() += by * P.row(2);
+    return moved;
+}
+
 }  // namespace anyrate

@@ -39,9 +39,6 @@ struct PhotoImages {
 /// Size and camera of the next level, without its pixels.
 PhotoLevel without_colours(const PhotoLevel& fine);
 
-/// Makes the level's camera show what it has shown `pixels` further on.
-inline void shift_camera(PhotoLevel& level, const Vec2& pixels) { level.P.topRows<2>() += pixels * level.P.row(2); }
-
 /// Builds the pyramids, `n_levels` of them or as many as leave the smaller side of the smallest image 16 pixels.
 PhotoImages make_photo_images(const Capture& capture, int n_levels = 5);
 

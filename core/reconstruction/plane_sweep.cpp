@@ -52,10 +52,7 @@ Image<float> brightness(const PhotoLevel& level, const PixelBox& box) {
 SweptView swept_view(const PhotoView& photo, const PhotoLevel& level) {
     SweptView view;
     view.box = box_of_object(level);
-    Mat3 box_from_level = Mat3::Identity();
-    box_from_level(0, 2) = -view.box.x0;
-    box_from_level(1, 2) = -view.box.y0;
-    view.P = box_from_level * level.P;
+    view.P = with_moved_pixels(level.P, -Vec2(view.box.x0, view.box.y0));
     view.centre = photo.centre;
     view.grey = brightness(level, view.box);
     return view;

@@ -79,15 +79,56 @@ BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
     return base;
 }
 
+/// What step 1 leaves to the others.
+struct Start {
+    PhotoImages images;
+    Silhouettes silhouettes;
+    GuessedSurface guessed;
+    Mesh mesh;
+};
+
+/// Step 1: hull, Poisson, remesh to a count.
+Start make_start(Capture capture, int n_vertices, const ProgressFn& tell) {
+    PhotoImages images = make_photo_images(capture);
+    for (View& view : capture.views) view.image = {};  // from here on the masks will do
+    InitialSurface initial = initial_surface(capture, images, tell);
+    give_back_freed_memory();
+    tell({Stage::remesh, 0, 0, 0});
+    Mesh mesh;
+    std::optional<Silhouettes> silhouettes;
+    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, {.n_vertices = n_vertices}); },
+                    [&] {
+                        even_out_exposure(images, initial.mesh);
+                        silhouettes.emplace(capture);
+                    });
+    return {std::move(images), std::move(*silhouettes), std::move(initial.guessed), std::move(mesh)};
+}
+
+/// Step 2 of Method::flow. @return Psi before each iteration and at the end
+std::vector<double> flow_at_fixed_rate(PhotoBackend& sampler, PhotoBackend& backend, const ReconstructOptions& options,
+                                       Mesh& mesh, const ProgressFn& tell, const std::stop_token& stop) {
+    const FlowOptions flow{.samples_per_px = options.samples_per_px};
+    const bool is_measure = options.sampling == Sampling::adaptive && options.samples_per_px == 1.0;
+    std::vector<double> iterations;
+    surface_flow(
+        sampler, mesh.vertices, mesh.triangles, flow,
+        [&](int i, double flow_psi) {
+            iterations.push_back(is_measure ? flow_psi : measure_surface(backend, mesh));
+            tell({Stage::optimise, static_cast<double>(i) / flow.max_iterations, mesh.n_vertices(), iterations.back()});
+        },
+        stop);
+    return iterations;
+}
+
 /// Moves the views to where they show the surface, if they are off by `least_px` pixels (root mean square) or more.
 /// @return whether they were
-bool align_views(PhotoImages& images, Silhouettes& silhouettes, const Mesh& mesh, int level, double least_px) {
-    const std::vector<Vec2> shifts = estimate_shifts(images, mesh, level);
+bool align_views(Start& start, int level, double least_px) {
+    const std::vector<Vec2> shifts = estimate_shifts(start.images, start.mesh, level);
     double squared_norm = 0;
     for (const Vec2& shift : shifts) squared_norm += shift.squaredNorm();
     if (squared_norm < least_px * least_px * static_cast<double>(shifts.size())) return false;
-    shift_views(images, shifts);
-    silhouettes.shift_views(shifts);
+    shift_views(start.images, shifts);
+    start.silhouettes.shift_views(shifts);
     return true;
 }
 
@@ -97,11 +138,10 @@ bool align_views(PhotoImages& images, Silhouettes& silhouettes, const Mesh& mesh
 /// On the way the views are aligned, if their cameras need it: with poses that are half a pixel off, nefertiti at
 /// 10,000 vertices is 0.036 % off without it and 0.024 % with it, and Psi is 50 without it and 8 with it, as from true
 /// poses.
-/// @param images  which the backend holds
-void optimise_coarse_to_fine(PhotoImages& images, PhotoBackend& backend, Silhouettes& silhouettes,
-                             const GuessedSurface& guessed, Mesh& mesh, const std::function<void(double)>& progress,
-                             const std::stop_token& stop) {
+/// @param backend  holds the images of `start`
+void optimise_coarse_to_fine(PhotoBackend& backend, Start& start, const ProgressFn& tell, const std::stop_token& stop) {
     const int first = std::min(coarsest_level, backend.n_levels() - 1);
+    Mesh& mesh = start.mesh;
     bool are_off = false;
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
@@ -109,25 +149,25 @@ void optimise_coarse_to_fine(PhotoImages& images, PhotoBackend& backend, Silhoue
         options.rounds = level == 0 ? 4 : 2;
         if (level > 0) options.silhouette_reach_px = 8.0;  // contours are still on their way
         if (level == 0) mesh = subdivide(mesh);
-        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, guessed.vertices(mesh), options,
-                         stop);
-        if (level == 1) are_off = align_views(images, silhouettes, mesh, level, least_shift_px);
-        if (level == 0 && are_off) align_views(images, silhouettes, mesh, level, 0.0);
-        progress(1.0 - static_cast<double>(level) / (first + 1));
+        optimise_surface(backend, start.silhouettes, mesh.vertices, mesh.triangles, {}, start.guessed.vertices(mesh),
+                         options, stop);
+        if (level == 1) are_off = align_views(start, level, least_shift_px);
+        if (level == 0 && are_off) align_views(start, level, 0.0);
+        tell({Stage::optimise, 1.0 - static_cast<double>(level) / (first + 1), mesh.n_vertices(), 0});
     }
 }
 
 /// The base of the log: the optimised surface simplified to the coarse count, so that its vertices stand where the
 /// surface bends, and optimised once more. At equal edges the same count measures half as much again (nefertiti at
 /// 2,500 vertices: 0.041 % of the diagonal against 0.030 %).
-Mesh fit_base(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, const Mesh& optimised,
-              int n_vertices, const std::stop_token& stop) {
-    Mesh base = decimate(optimised, n_vertices);
-    if (base.n_vertices() > n_vertices) base = remesh_isotropic(optimised, {.n_vertices = n_vertices});
+Mesh fit_base(PhotoBackend& backend, Start& start, int n_vertices, const std::stop_token& stop) {
+    Mesh base = decimate(start.mesh, n_vertices);
+    if (base.n_vertices() > n_vertices) base = remesh_isotropic(start.mesh, {.n_vertices = n_vertices});
     OptimiseOptions options;
     options.rounds = 2;
     options.tangential = 0;  // which would even the edges out again
-    optimise_surface(backend, silhouettes, base.vertices, base.triangles, {}, guessed.vertices(base), options, stop);
+    optimise_surface(backend, start.silhouettes, base.vertices, base.triangles, {}, start.guessed.vertices(base),
+                     options, stop);
     return base;
 }
 
@@ -156,50 +196,25 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
         if (progress) progress(p);
     };
 
-    // Step 1: hull, Poisson, remesh.
     const CaptureFrame frame = to_own_frame(capture);
-    PhotoImages images = make_photo_images(capture);
-    for (View& view : capture.views) view.image = {};  // from here on the masks will do
-    InitialSurface initial = initial_surface(capture, images, tell);
-    give_back_freed_memory();
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
-    tell({Stage::remesh, 0, 0, 0});
     const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
-    Mesh mesh;
-    std::optional<Silhouettes> silhouettes_of_capture;
-    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, {.n_vertices = fixed_rate ? n_base : n_even}); },
-                    [&] {
-                        even_out_exposure(images, initial.mesh);
-                        silhouettes_of_capture.emplace(capture);
-                    });
-    Silhouettes& silhouettes = *silhouettes_of_capture;
+    Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, tell);
+    auto& [images, silhouettes, guessed, mesh] = start;
+
     const auto backend = make_cpu_backend(images);
     const auto sampler = make_cpu_backend(images, options.sampling);
     ReconstructResult result;
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
     if (fixed_rate) {
-        const FlowOptions flow{.samples_per_px = options.samples_per_px};
-        const bool is_measure = options.sampling == Sampling::adaptive && options.samples_per_px == 1.0;
-        surface_flow(
-            *sampler, mesh.vertices, mesh.triangles, flow,
-            [&](int i, double flow_psi) {
-                const double psi = is_measure ? flow_psi : measure_surface(*backend, mesh);
-                result.iterations.push_back(psi);
-                tell({Stage::optimise, static_cast<double>(i) / flow.max_iterations, mesh.n_vertices(), psi});
-            },
-            stop);
+        result.iterations = flow_at_fixed_rate(*sampler, *backend, options, mesh, tell, stop);
     } else {
-        optimise_coarse_to_fine(
-            images, *sampler, silhouettes, initial.guessed, mesh,
-            [&](double part) {
-                tell({Stage::optimise, part, mesh.n_vertices(), 0});
-            },
-            stop);
-        initial.guessed = confirm_guesses(*sampler, silhouettes, initial.guessed, mesh, {}, stop);
+        optimise_coarse_to_fine(*sampler, start, tell, stop);
+        guessed = confirm_guesses(*sampler, silhouettes, guessed, mesh, {}, stop);
     }
     const NearestSurface fitted(mesh);
-    if (!fixed_rate) mesh = fit_base(*sampler, silhouettes, initial.guessed, mesh, n_base, stop);
+    if (!fixed_rate) mesh = fit_base(*sampler, start, n_base, stop);
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
@@ -214,7 +229,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     // Step 3: progressive refinement.
     if (fixed_rate) refinement.n_vertices = state.n_vertices();
     result.curve = refine(
-        state, *backend, silhouettes, images, initial.guessed, fitted, refinement, sink,
+        state, *backend, silhouettes, images, guessed, fitted, refinement, sink,
         [&](const CurvePoint& point) {
             const double part = static_cast<double>(point.n_vertices - options.n_coarse) /
                                 std::max(1, options.n_vertices - options.n_coarse);

@@ -120,8 +120,9 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
 
 void Silhouettes::shift_views(std::span<const Vec2> shifts) {
     for (std::size_t i = 0; i < shifts.size(); ++i) {
-        views_[i].P.topRows<2>() += shifts[i] * views_[i].P.row(2);
-        shift_camera(views_[i].coverage_level, views_[i].coverage_scale * shifts[i]);
+        View& view = views_[i];
+        view.P = with_moved_pixels(view.P, shifts[i]);
+        view.coverage_level.P = with_moved_pixels(view.coverage_level.P, view.coverage_scale * shifts[i]);
     }
 }
 

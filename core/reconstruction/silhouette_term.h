@@ -28,7 +28,7 @@ class Silhouettes {
 public:
     explicit Silhouettes(const Capture& capture);
 
-    /// Makes the cameras show what they have shown shifts[i] pixels further on.
+    /// Moves what every camera shows by its shift, pixels of the photographs; one entry a view.
     void shift_views(std::span<const Vec2> shifts);
 
     /// Renders what the surface covers in every view, once for many terms().

@@ -43,6 +43,10 @@ struct ShiftedView {
     }
 };
 
+bool is_within(const PhotoLevel& image, const Vec2& pixel) {
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= image.width - 1 && pixel.y() <= image.height - 1;
+}
+
 std::vector<Sighting> sightings(const PhotoView& view, int level, const SurfaceView& surface,
                                 const std::vector<Vec3>& normals) {
     const PhotoLevel& image = view.levels[at(level)];
@@ -57,9 +61,10 @@ std::vector<Sighting> sightings(const PhotoView& view, int level, const SurfaceV
         Sighting sighting;
         sighting.vertex = static_cast<std::int32_t>(v);
         sighting.pixel = x.hnormalized();
+        if (!is_within(image, sighting.pixel)) continue;
         const int column = static_cast<int>((sighting.pixel.x() + 0.5) / 2),
                   row = static_cast<int>((sighting.pixel.y() + 0.5) / 2);
-        if (!inverse_depth.contains(column, row) || x.z() * inverse_depth(column, row) > 1 + hidden_px * px) continue;
+        if (x.z() * inverse_depth(column, row) > 1 + hidden_px * px) continue;
         seen.push_back(sighting);
     }
     return seen;
@@ -124,7 +129,7 @@ void shift_views(PhotoImages& images, std::span<const Vec2> shifts) {
     for (std::size_t i = 0; i < shifts.size(); ++i) {
         double scale = 1;
         for (PhotoLevel& level : images.views[i].levels) {
-            shift_camera(level, scale * shifts[i]);
+            level.P = with_moved_pixels(level.P, scale * shifts[i]);
             scale /= 2;
         }
     }

@@ -13,9 +13,10 @@ namespace anyrate {
 /// A view that shares too little with others has the shift 0.
 /// Source: Lucas and Kanade 1981, "An iterative image registration technique", with the surface to carry the template.
 /// @param level  of the pyramid, where colours are compared
+/// @return one shift a view
 std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& surface, int level);
 
-/// Makes the cameras show what they have shown shifts[i] pixels (of level 0) further on.
+/// Moves what every camera shows, at all levels, by its shift, pixels of the photographs; one entry a view.
 void shift_views(PhotoImages& images, std::span<const Vec2> shifts);
 
 }  // namespace anyrate

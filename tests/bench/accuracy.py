@@ -11,9 +11,8 @@ For oxford_dinosaur: overlap of silhouettes and masks over all views.
 The other route: the finest meshes (10,000 and 20,000) simplified to every smaller count by quadric error.
 With --out a Markdown table is written there too. Timings are those of this machine as it is; run it on an idle one.
 """
-import sys
 
-from measuring import CommandFailed, evaluator, find_capture, finish, in_work_folder, machine, note, parser
+from measuring import evaluator, find_capture, finish, in_work_folder, machine, note, parser, start
 
 CAMERAS = {"pot": "cameras_2ring.json"}
 
@@ -162,7 +161,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except CommandFailed as failure:
-        sys.exit(str(failure))
+    start(main)

@@ -146,5 +146,13 @@ def finish(result, options, name):
     print(text)
 
 
+def start(main):
+    """Calls main(); a command that fails ends the script with its sentence."""
+    try:
+        main()
+    except CommandFailed as failure:
+        sys.exit(str(failure))
+
+
 def note(text):
     print(text, file=sys.stderr, flush=True)

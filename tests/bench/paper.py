@@ -13,9 +13,8 @@ Figs. 4-5 pictures: coarse mesh, optimised coarse mesh, plain flow, the method, 
 Every Psi is measured by one tool (surface_distortion: Eqs. 5-10, one sample per pixel) on the decoded mesh.
 """
 import csv
-import sys
 
-from measuring import CommandFailed, find_capture, finish, in_work_folder, machine, note, parser
+from measuring import find_capture, finish, in_work_folder, machine, note, parser, start
 from svg_plot import Level, Series, line_plot
 
 # Vertices at which the paper tells how far below plain surface flow its Psi is, and how far (in percent).
@@ -195,7 +194,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except CommandFailed as failure:
-        sys.exit(str(failure))
+    start(main)

@@ -10,10 +10,9 @@ closed, manifold and of one piece, its genus and its self-intersections; seconds
 fails is a row with "failed" instead, and the others go on. The captures are made by perturb_capture in a temporary folder.
 --huge adds 100 images of 12 megapixels, which takes long and tens of gigabytes of disk.
 """
-import sys
 from dataclasses import dataclass
 
-from measuring import CommandFailed, evaluator, find_capture, finish, in_work_folder, machine, note, parser, run
+from measuring import CommandFailed, evaluator, find_capture, finish, in_work_folder, machine, note, parser, run, start
 
 MAX_RATIO = 1.5
 MAX_RATIO_OF_SCALE = 1.01
@@ -148,7 +147,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except CommandFailed as failure:
-        sys.exit(str(failure))
+    start(main)
