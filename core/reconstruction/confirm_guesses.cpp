@@ -95,7 +95,7 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
     // No image speaks for the place of a doubtful vertex rather than for the trial's.
     const auto improves = [&](std::int32_t v) {
         return standings[at(v)] == Standing::doubtful &&
-               (!after[at(v)] || (before[at(v)] && *after[at(v)] < *before[at(v)]));
+               (!after[at(v)] ? !before[at(v)] : before[at(v)] && *after[at(v)] < *before[at(v)]);
     };
     const auto is_settled = [&](std::int32_t v) {
         // Among wrong neighbours a vertex agrees by chance.
@@ -105,8 +105,8 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
                });
     };
     const auto is_hopeless = [&](std::int32_t v) {
-        return usual && before[at(v)] && after[at(v)] &&
-               std::min(*before[at(v)], *after[at(v)]) > options.hopeless * *usual;
+        const auto is_far_off = [&](const std::optional<double>& G) { return *G > options.hopeless * *usual; };
+        return usual && before[at(v)] && is_far_off(before[at(v)]) && (!after[at(v)] || is_far_off(after[at(v)]));
     };
     std::vector<char> is_guessed(standings.size(), 0);
     for (const std::int32_t v : active) {

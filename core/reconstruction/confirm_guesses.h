@@ -14,14 +14,14 @@ struct ConfirmGuessOptions {
     int passes = 3;            ///< what one confirms is ground that the next starts from
     double attachment = 1e-2;  ///< of a guess to its place, see fair()
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
-    double hopeless = 100;     ///< a shown vertex whose G is larger before and on trial is a guess; same unit
+    double hopeless = 100;     ///< a shown vertex with a larger G, on trial too or hidden there, is a guess; same unit
 };
 
 /// Depth maps miss steep and narrow places that the photographs do agree on, and find some that they do not. Bends the
 /// guessed parts, what the images disagree on and the ring around both as little as the rest allows, and lets those
 /// vertices alone follow the images from there: a guess whose ring then agrees about as well as the rest is a guess no
-/// longer; another stays one, as bent. What was no guess moves only to where the images agree better; where they are
-/// far from agreeing before and after, it becomes one.
+/// longer; another stays one, as bent. What was no guess moves only to where the images agree better, never out of
+/// their sight; where they are far from agreeing, before and after if they see it after, it becomes one.
 /// @param mesh  with edges of about one length; its guessed and doubtful vertices are moved
 /// @return what is left of the guess
 GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include <Eigen/Geometry>
 
@@ -101,6 +102,26 @@ TEST_CASE("Confirm guesses: where every photograph shows something else, what wa
         CHECK(std::abs(mesh.vertices[v].norm() - 1) < 0.05);
     }
     CHECK(n_in_patch > 5);
+}
+
+TEST_CASE("Confirm guesses: a lump that the photographs contradict, and would not see without it, becomes a guess") {
+    // No view is on the side of +x: the patch is out of sight but on a lump, which stands before a noisy background.
+    Scene scene([](const View& view) { return view.camera.centre().normalized().x() < 0.1; });
+    std::mt19937 noise(1);
+    for (View& view : scene.capture.views)
+        for (std::size_t i = 0; i < view.mask.pixels.size(); ++i) {
+            if (view.mask.pixels[i] != 0) continue;
+            view.mask.pixels[i] = 255;
+            const auto grey = static_cast<std::uint8_t>(noise() & 255);
+            view.image.pixels[i] = {grey, grey, grey};
+        }
+    scene.images = make_photo_images(scene.capture, 3);
+    scene.silhouettes = Silhouettes(scene.capture);
+    Mesh mesh = icosphere(3);
+    for (Vec3& v : mesh.vertices)
+        if (is_in_patch(v)) v *= 1 + 10 * (v.x() - 0.95);  // a cone
+    const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
+    CHECK(n_guessed(left, mesh) > 5);
 }
 
 TEST_CASE("Confirm guesses: nothing moves where the photographs agree and nothing was guessed") {
