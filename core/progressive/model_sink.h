@@ -16,6 +16,9 @@ struct DistortionPoint {
 class ModelSink {
 public:
     virtual ~ModelSink() = default;
+    /// Who takes a picture to look at until start(): a base and its colours, of another model than the one to come,
+    /// which replaces it. Distortions may be NaN: unknown. nullptr if nobody would look.
+    virtual ModelSink* preview() { return nullptr; }
     /// Takes the coarse mesh and gives it back as every decoder will number it (Draco renumbers).
     virtual BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) = 0;
     /// Colours and distortion of the base, one colour per vertex of the mesh that start() returned.

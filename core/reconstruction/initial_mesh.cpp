@@ -13,7 +13,6 @@
 #include "core/reconstruction/plane_sweep.h"
 #include "core/reconstruction/poisson.h"
 #include "core/reconstruction/seen_through.h"
-#include "core/reconstruction/visual_hull.h"
 
 namespace anyrate {
 namespace {
@@ -56,14 +55,11 @@ Carved carve_cavities(const VisualHull& hull, std::span<const DepthMap> swept) {
 
 }  // namespace
 
-InitialSurface initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress) {
+InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images, const ProgressFn& progress) {
     const auto report = [&](Stage stage, double fraction) {
         if (progress) progress({stage, fraction, 0, 0.0});
     };
-    report(Stage::hull, 0.0);
-    const VisualHull hull = visual_hull(capture);
     report(Stage::hull, 0.5);
-    give_back_freed_memory();
     const auto swept = plane_sweep(images, hull);
     give_back_freed_memory();
     const Carved carved = carve_cavities(hull, swept);

@@ -1,9 +1,9 @@
 #pragma once
-#include "core/capture/capture.h"
 #include "core/mesh/mesh.h"
 #include "core/reconstruction/guessed_surface.h"
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/reconstruct.h"
+#include "core/reconstruction/visual_hull.h"
 
 namespace anyrate {
 
@@ -12,9 +12,9 @@ struct InitialSurface {
     GuessedSurface guessed;  ///< its parts that no image shows
 };
 
-/// Step 1 of the method: visual hull, its lids over cavities opened by a plane sweep, Poisson, iso-surface, largest
-/// piece without tiny handles. `progress` hears of the stages hull and poisson.
-/// @param images  of the same capture
-InitialSurface initial_surface(const Capture& capture, const PhotoImages& images, const ProgressFn& progress);
+/// Step 1 of the method behind the visual hull: its lids over cavities opened by a plane sweep, Poisson, iso-surface,
+/// largest piece without tiny handles. `progress` hears of the stages hull (its second half) and poisson.
+/// @param images  of the capture whose hull it is
+InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images, const ProgressFn& progress);
 
 }  // namespace anyrate

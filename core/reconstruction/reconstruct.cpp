@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/error.h"
@@ -17,6 +18,7 @@
 #include "core/reconstruction/flow.h"
 #include "core/reconstruction/initial_mesh.h"
 #include "core/reconstruction/optimise_surface.h"
+#include "core/reconstruction/preview.h"
 #include "core/reconstruction/refine.h"
 #include "core/reconstruction/vertex_colours.h"
 #include "core/reconstruction/view_shifts.h"
@@ -79,6 +81,18 @@ BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
     return base;
 }
 
+/// The first picture for who waits for one.
+void send_preview(ModelSink& sink, const VisualHull& hull, const PhotoImages& images, const CaptureFrame& frame) {
+    ModelSink* const preview = sink.preview();
+    if (preview == nullptr) return;
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    const Mesh mesh = preview_mesh(hull);
+    const Grid grid = make_grid(mesh, mesh.n_vertices());
+    const RefinementRules rules;
+    const RefinableMesh state(preview->start(frame.in_world(grid), rules, to_base(mesh, grid)), grid, rules);
+    preview->base_attributes(vertex_colours(images, state.to_mesh()), {unknown, unknown});
+}
+
 /// What step 1 leaves to the others.
 struct Start {
     PhotoImages images;
@@ -88,10 +102,14 @@ struct Start {
 };
 
 /// Step 1: hull, Poisson, remesh to a count.
-Start make_start(Capture capture, int n_vertices, const ProgressFn& tell) {
+Start make_start(Capture capture, int n_vertices, const CaptureFrame& frame, ModelSink& sink, const ProgressFn& tell) {
     PhotoImages images = make_photo_images(capture);
     for (View& view : capture.views) view.image = {};  // from here on the masks will do
-    InitialSurface initial = initial_surface(capture, images, tell);
+    tell({Stage::hull, 0, 0, 0});
+    const VisualHull hull = visual_hull(capture);
+    give_back_freed_memory();
+    send_preview(sink, hull, images, frame);
+    InitialSurface initial = initial_surface(hull, images, tell);
     give_back_freed_memory();
     tell({Stage::remesh, 0, 0, 0});
     Mesh mesh;
@@ -200,7 +218,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
-    Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, tell);
+    Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, frame, sink, tell);
     auto& [images, silhouettes, guessed, mesh] = start;
 
     const auto backend = make_cpu_backend(images);

@@ -70,8 +70,8 @@ std::string method_name(Method method) {
 }
 
 /// @param curve  with the bytes of the live log, whose frames begin right behind its header
-Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> curve, int n_threads,
-                   const ReconstructResult& result) {
+Report make_report(const ReconstructCommand& request, std::optional<ReportPoint> preview,
+                   std::vector<ReportPoint> curve, int n_threads, const ReconstructResult& result) {
     const auto log = read_log(request.model);
     const LogLayout layout = read_layout(log);
     for (ReportPoint& point : curve) point.bytes += layout.frames_begin - header_size;
@@ -79,6 +79,7 @@ Report make_report(const ReconstructCommand& request, std::vector<ReportPoint> c
             .method = method_name(request.reconstruct.method),
             .backend = "cpu",
             .n_threads = n_threads,
+            .preview = preview,
             .curve = std::move(curve),
             .iterations = result.iterations,
             .max_distortion = layout.index.back().max_distortion,
@@ -101,9 +102,14 @@ int reconstruct_capture(const ReconstructCommand& request) {
 
     const TemporaryLog temporary(request.model);
     std::vector<ReportPoint> curve;
-    DurableSink log(log_id_of(capture, request.reconstruct), temporary.path(), [&](const RatePoint& point) {
-        curve.push_back({static_cast<int>(point.n_vertices), point.n_bytes, point.psi, clock.total_seconds()});
-    });
+    std::optional<ReportPoint> preview;
+    const auto report_point = [&](const RatePoint& point) {
+        return ReportPoint{static_cast<int>(point.n_vertices), point.n_bytes, point.psi, clock.total_seconds()};
+    };
+    DurableSink log(
+        log_id_of(capture, request.reconstruct), temporary.path(),
+        [&](const RatePoint& point) { curve.push_back(report_point(point)); },
+        [&](const RatePoint& point) { preview = report_point(point); });
     TimedSink sink(log, clock);
     const ReconstructResult result = [&] {
         ProgressBar bar;
@@ -119,7 +125,7 @@ int reconstruct_capture(const ReconstructCommand& request) {
     }
     log.seal(request.model);
 
-    const Report report = make_report(request, std::move(curve), threads.n_threads(), result);
+    const Report report = make_report(request, preview, std::move(curve), threads.n_threads(), result);
     if (request.report) replace_file(*request.report, as_bytes(report_json(report, clock)));
     if (!request.quiet) print_summary(request, report, clock);
     if (!result.stopped) return 0;

@@ -45,6 +45,10 @@ std::string report_json(const Report& report, const StageClock& clock) {
                    {"psi", report.curve.back().psi},
                    {"max_distortion", report.max_distortion},
                    {"stopped", report.stopped}}}};
+    if (report.preview)
+        json["preview"] = {{"vertices", report.preview->n_vertices},
+                           {"bytes", report.preview->bytes},
+                           {"seconds", report.preview->seconds}};
     if (!report.iterations.empty()) json["iterations"] = report.iterations;
     return json.dump(2) + "\n";
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct ReportPoint {
 struct Report {
     std::string capture, method, backend;
     int n_threads = 0;
-    std::vector<ReportPoint> curve;  ///< the base first
+    std::optional<ReportPoint> preview;  ///< the hull, which clients of a server see first; not part of the log
+    std::vector<ReportPoint> curve;      ///< the base first
     std::vector<double> iterations;  ///< Psi before each iteration of the surface flow and at its end; empty without it
     double max_distortion = 0;       ///< largest mean of one triangle of the final mesh
     std::uint64_t log_bytes = 0;

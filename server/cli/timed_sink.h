@@ -10,6 +10,7 @@ public:
     /// Both must outlive it.
     TimedSink(ModelSink& sink, StageClock& clock) : sink_(sink), clock_(clock) {}
 
+    ModelSink* preview() override { return sink_.preview(); }
     BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override;
     void base_attributes(std::span<const Rgb8> colours, const DistortionPoint& distortion) override;
     void batch(std::span<const SplitRecord> records, const RefinableMesh& state, std::span<const Rgb8> new_colours,

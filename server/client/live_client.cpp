@@ -86,6 +86,7 @@ struct Follower {
     std::string log_id;
     std::vector<std::byte> log;
     bool has_ended = false;
+    ArrivalTrace& trace;
 
     /// Frames end where their messages end, so what is here is whole frames always.
     std::uint32_t next_sequence() const {
@@ -104,12 +105,14 @@ struct Follower {
     void take_frames(const std::string& bytes) {
         const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
         log.insert(log.end(), begin, begin + bytes.size());
+        trace.note(log.size());
     }
 
 private:
     void begin(const nlohmann::json& hello) {
         const bool resumes = hello.value("next_sequence", 0u) > 0;
         log.clear();
+        trace.begin_anew();
         log_id = resumes ? "" : hello.value("log_id", "");
         if (resumes) throw IoError("the log was begun anew");
     }
@@ -122,18 +125,15 @@ private:
 };
 
 /// Follows over one connection until it ends. @throws IoError it broke
-void follow_once(Follower& follower, const Url& server, const std::string& model_target, const LiveOptions& options,
-                 ArrivalTrace& trace) {
+void follow_once(Follower& follower, const Url& server, const std::string& model_target, const LiveOptions& options) {
     Socket socket(server, model_target + "/live?vertices=" + std::to_string(options.max_vertices) +
                               "&from=" + std::to_string(follower.next_sequence()));
     while (!follower.has_ended) {
         const Socket::Message message = socket.read();
-        if (message.is_text) {
+        if (message.is_text)
             follower.take_text(message.bytes);
-        } else {
+        else
             follower.take_frames(message.bytes);
-            trace.note(follower.log.size());
-        }
     }
 }
 
@@ -141,12 +141,12 @@ void follow_once(Follower& follower, const Url& server, const std::string& model
 
 std::vector<std::byte> follow_live(const Url& server, const std::string& model_target, const LiveOptions& options,
                                    ArrivalTrace& trace) {
-    Follower follower;
+    Follower follower{.log_id = {}, .log = {}, .has_ended = false, .trace = trace};
     int n_failures = 0;
     while (!follower.has_ended) {
         const std::size_t before = follower.log.size();
         try {
-            follow_once(follower, server, model_target, options, trace);
+            follow_once(follower, server, model_target, options);
         } catch (const IoError&) {
             n_failures = follower.log.size() > before ? 1 : n_failures + 1;
             if (n_failures > options.max_reconnects) throw;

@@ -11,6 +11,12 @@ void ArrivalTrace::note(std::uint64_t n_bytes) {
     arrivals_.push_back({elapsed.count(), n_bytes});
 }
 
+void ArrivalTrace::begin_anew() {
+    if (arrivals_.empty()) return;
+    replaced_.push_back(arrivals_.back());
+    arrivals_.clear();
+}
+
 std::string ArrivalTrace::to_json(std::span<const IndexRow> rows, std::uint64_t frames_begin) const {
     nlohmann::ordered_json json = {{"frames", nlohmann::ordered_json::array()}};
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -26,6 +32,8 @@ std::string ArrivalTrace::to_json(std::span<const IndexRow> rows, std::uint64_t 
                                   {"vertices", rows[i].n_vertices},
                                   {"distortion", distortion}});
     }
+    for (const Arrival& last : replaced_)
+        json["replaced"].push_back({{"seconds", last.seconds}, {"bytes", last.n_bytes}});
     return json.dump(1) + "\n";
 }
 

@@ -24,6 +24,10 @@ std::vector<std::byte> live_header(const LogView& log) {
 }  // namespace
 
 std::string LiveCursor::hello(const LogView& log) {
+    if (log_id_ && *log_id_ != log.log_id) {
+        next_ = 0;
+        end_sent_ = false;
+    }
     log_id_ = log.log_id;
     header_sent_ = next_ > 0;  // who resumes has it
     char text[160];

@@ -22,7 +22,8 @@ public:
     /// The log that the client follows; nullopt before hello().
     std::optional<std::uint64_t> log_id() const { return log_id_; }
 
-    /// The first message: {"type":"hello","log_id","next_sequence","sealed"}. Starts to follow `log`.
+    /// The first message about a log: {"type":"hello","log_id","next_sequence","sealed"}. Starts to follow `log`, from
+    /// its start if another was followed before.
     std::string hello(const LogView& log);
     /// The next message of whole frames, about `n_bytes` long; the header is a message of its own. nullopt if the
     /// client has all it may have of this view. @throws IoError

@@ -120,7 +120,7 @@ awaitable<void> send_text(Connection& connection, std::string text) {
 /// Sends what the client has not yet of this view. @return whether that was all there will ever be
 awaitable<bool> send_frames(Connection& connection, const LogView& log) {
     const std::size_t n_bytes = connection.context.limits.live_message_bytes;
-    if (!connection.cursor.log_id()) {
+    if (connection.cursor.log_id() != log.log_id) {
         std::string hello = connection.cursor.hello(log);
         co_await send_text(connection, std::move(hello));
     }
@@ -148,11 +148,7 @@ awaitable<websocket::close_code> follow(Connection& connection) {
             return look_up(connection.context.service, connection.wish.model_id);
         });
         bool is_complete = false;
-        if (now.log) {
-            const auto followed = connection.cursor.log_id();
-            if (followed && *followed != now.log->log_id) co_return websocket::close_code::service_restart;
-            is_complete = co_await send_frames(connection, *now.log);
-        }
+        if (now.log) is_complete = co_await send_frames(connection, *now.log);
         const bool is_over = !now.model || is_final(now.model->state);
         const bool is_sealed = now.log && now.log->sealed;
         // A log is sealed a moment before the catalog hears of it: who is told the end finds it there, too.

@@ -1,20 +1,31 @@
 #include "server/jobs/durable_sink.h"
 
+#include <limits>
 #include <utility>
 
 namespace anyrate {
 
-DurableSink::DurableSink(std::uint64_t log_id, const std::filesystem::path& live_log,
-                         std::function<void(const RatePoint&)> on_point)
+DurableSink::DurableSink(std::uint64_t log_id, const std::filesystem::path& live_log, PointFn on_point,
+                         PointFn on_preview)
     : log_id_(log_id),
       file_(live_log),
       on_point_(std::move(on_point)),
+      on_preview_(std::move(on_preview)),
       writer_(log_id, [this](std::span<const std::byte> bytes) {
           file_.append(bytes);
           n_bytes_ += bytes.size();
       }) {}
 
+ModelSink* DurableSink::preview() {
+    if (!on_preview_) return nullptr;
+    const auto on_complete = [this](std::uint32_t n_vertices, std::uint64_t n_bytes) {
+        on_preview_({n_vertices, n_bytes, std::numeric_limits<double>::quiet_NaN(), seconds()});
+    };
+    return &preview_.emplace(~log_id_, file_, on_complete);
+}
+
 BaseMesh DurableSink::start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) {
+    if (preview_) file_.begin_anew();
     BaseMesh renumbered = writer_.start(grid, rules, base);
     publish();
     return renumbered;
@@ -46,11 +57,14 @@ void DurableSink::publish() {
 
 void DurableSink::publish_point(const DistortionPoint& distortion) {
     publish();
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
     on_point_({.n_vertices = writer_.rows().back().n_vertices,
                .n_bytes = n_bytes_,
                .psi = distortion.mean,
-               .seconds = elapsed.count()});
+               .seconds = seconds()});
+}
+
+double DurableSink::seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
 }
 
 }  // namespace anyrate

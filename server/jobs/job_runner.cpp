@@ -40,12 +40,11 @@ public:
         send();
     }
     void point(const RatePoint& point) {
-        state_.n_vertices = point.n_vertices;
-        state_.n_bytes = point.n_bytes;
         state_.psi = point.psi;
         report_(point);
-        send();
+        grown(point);
     }
+    void preview(const RatePoint& point) { grown(point); }
 
 private:
     void progress(JobProgress now) {
@@ -54,6 +53,11 @@ private:
         now.n_bytes = state_.n_bytes;
         state_ = now;
         if (new_stage || std::chrono::steady_clock::now() - sent_ > std::chrono::milliseconds(200)) send();
+    }
+    void grown(const RatePoint& point) {
+        state_.n_vertices = point.n_vertices;
+        state_.n_bytes = point.n_bytes;
+        send();
     }
     void send() {
         sent_ = std::chrono::steady_clock::now();
@@ -75,8 +79,10 @@ bool make_model(const Job& job, const JobSteps& steps, const Report& report, std
     progress.stage("load");
     Capture capture = steps.load(job.paths.capture);
     if (stop.stop_requested()) return false;
-    DurableSink sink(log_id_of_attempt(job.model_id, job.attempt), job.paths.live_log,
-                     [&](const RatePoint& point) { progress.point(point); });
+    DurableSink sink(
+        log_id_of_attempt(job.model_id, job.attempt), job.paths.live_log,
+        [&](const RatePoint& point) { progress.point(point); },
+        [&](const RatePoint& point) { progress.preview(point); });
     const ReconstructOptions options{.n_vertices = job.options.n_vertices, .n_coarse = job.options.n_coarse};
     const ReconstructResult result = steps.reconstruct(
         std::move(capture), options, sink, [&](const Progress& now) { progress.reconstruction(now); }, stop);

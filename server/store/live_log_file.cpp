@@ -13,14 +13,16 @@ std::filesystem::path side_index_of(const std::filesystem::path& live) {
     return index;
 }
 
-LiveLogFile::LiveLogFile(std::filesystem::path live) : path_(std::move(live)) {
-    // The rows of an earlier attempt must go before its frames do. Whoever reads that attempt keeps its file.
+LiveLogFile::LiveLogFile(std::filesystem::path live) : path_(std::move(live)) { begin_anew(); }
+
+LiveLogFile::~LiveLogFile() = default;
+
+void LiveLogFile::begin_anew() {
+    // Rows must go before their frames do.
     std::filesystem::remove(side_index_of(path_));
     std::filesystem::remove(path_);
     file_ = create_file(path_);
 }
-
-LiveLogFile::~LiveLogFile() = default;
 
 void LiveLogFile::append(std::span<const std::byte> frames) {
     write_all(file_, frames);

@@ -19,6 +19,7 @@ public:
     LiveLogFile(const LiveLogFile&) = delete;
     LiveLogFile& operator=(const LiveLogFile&) = delete;
 
+    void begin_anew();  ///< Forgets all frames and rows; who reads them keeps their files. @throws IoError
     void append(std::span<const std::byte> frames);                            ///< @throws IoError
     void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows);  ///< @throws IoError
     /// Writes the sealed form (seal_log) to `sealed` atomically and removes the live files. @throws IoError

@@ -154,7 +154,7 @@ class WebSocket:
                 return ("text", whole.decode()) if kind == 1 else ("binary", whole)
 
     def read_to_end(self):
-        """(texts as JSON, all binary bytes, close code)"""
+        """(texts as JSON, the binary bytes since the last hello, close code)"""
         texts, log = [], b""
         while True:
             kind, payload = self.read()
@@ -162,6 +162,8 @@ class WebSocket:
                 return texts, log, payload
             if kind == "text":
                 texts.append(json.loads(payload))
+                if texts[-1]["type"] == "hello":
+                    log = b""
             else:
                 log += payload
 

@@ -46,9 +46,27 @@ class Live(ServerTest):
     def test_a_client_that_waits_from_the_start_gets_everything(self):
         model_id = self.make_model()
         websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
-        _, log, code = websocket.read_to_end()
+        texts, log, code = websocket.read_to_end()
         websocket.close()
         self.assertEqual((log[HEADER_BYTES:], code), (self.frames_of(model_id), 1000))
+        ids = [text["log_id"] for text in texts if text["type"] == "hello"]
+        self.assertEqual((ids[-1], len(set(ids))), (self.index(model_id)["log_id"], len(ids)))
+
+    def test_a_preview_is_there_before_the_model_and_gives_way_to_it(self):
+        model_id = self.make_model()
+        trace = self.folder / "trace.json"
+        follower = subprocess.Popen([ANYRATE, "fetch", self.url(model_id), "--live", "-o", self.folder / "live.arl",
+                                     "--trace", trace])
+        model = self.server.wait_for(model_id, lambda model: model["vertices"] > 0)
+        self.assertEqual(model["curve"], [])
+        status, _, preview = self.server.request("GET", f"/v1/models/{model_id}/mesh.obj")
+        self.assertEqual(status, 200)
+        self.assertGreater(preview.count(b"\nv "), 100)
+        self.assertEqual(follower.wait(PATIENCE), 0)
+        self.assertEqual((self.folder / "live.arl").read_bytes(), self.server.sealed(model_id).read_bytes())
+        told = json.loads(trace.read_text())
+        self.assertEqual(len(told["replaced"]), 1)
+        self.assertLess(told["replaced"][0]["seconds"], told["frames"][0]["seconds"])
 
     def test_resume_goes_on_at_any_frame(self):
         model_id = self.make_finished_model()

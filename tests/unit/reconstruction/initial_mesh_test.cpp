@@ -53,7 +53,7 @@ TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is 
     const Mesh dish = turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0.85, 0.6}, {0.5, 0.15}, {0, 0.15}}, 64);
     const double filled = volume(turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0, 0.6}}, 64));
     const Simulation scene = simulate_mesh(dish, {.width = 320, .height = 240});
-    const InitialSurface initial = initial_surface(scene.capture, make_photo_images(scene.capture), {});
+    const InitialSurface initial = initial_surface(visual_hull(scene.capture), make_photo_images(scene.capture), {});
     REQUIRE(measure_topology(initial.mesh).is_closed_manifold());
     const double missing = filled - volume(dish);
     CHECK(volume(initial.mesh) == doctest::Approx(volume(dish)).epsilon(0.15));
@@ -63,7 +63,7 @@ TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is 
 TEST_CASE("Initial surface: the demo's vessel keeps its two handles, and its stem no hole") {
     const Simulation scene = simulate_scene("vessel", {.width = 320, .height = 240});
     const Topology topology =
-        measure_topology(initial_surface(scene.capture, make_photo_images(scene.capture), {}).mesh);
+        measure_topology(initial_surface(visual_hull(scene.capture), make_photo_images(scene.capture), {}).mesh);
     REQUIRE(topology.is_closed_manifold());
     CHECK(topology.n_components == 1);
     CHECK(topology.n_components - topology.euler / 2 == 2);

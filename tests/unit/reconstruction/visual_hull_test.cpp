@@ -12,6 +12,7 @@
 #include "core/mesh/topology.h"
 #include "core/reconstruction/iso_surface.h"
 #include "core/reconstruction/poisson.h"
+#include "core/reconstruction/preview.h"
 #include "core/simulation/parametric_meshes.h"
 #include "tests/unit/reconstruction/eq_test_scenes.h"
 #include "tests/unit/reconstruction/outline_scenes.h"
@@ -228,4 +229,17 @@ TEST_CASE("Visual hull: one and two threads give the same bytes") {
         return visual_hull(capture).points;
     };
     CHECK(same_bytes(with_threads(1), with_threads(2)));
+}
+
+TEST_CASE("Preview: a small closed mesh near the hull") {
+    const auto cameras = ring(12);
+    const Mesh mesh = preview_mesh(visual_hull(capture_of(cameras, ball(1.0))));
+    const Topology topology = measure_topology(mesh);
+    CHECK(topology.is_closed_manifold());
+    CHECK(topology.n_components == 1);
+    CHECK(topology.euler == 2);
+    CHECK(mesh.n_vertices() > 1000);
+    CHECK(mesh.n_vertices() < 1600);
+    for (const Vec3& v : mesh.vertices)
+        CHECK(std::abs(v.norm() - hull_radius_of_ball(1.0, cameras, v.normalized())) < 2.0 / 40);
 }

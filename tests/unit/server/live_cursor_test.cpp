@@ -91,3 +91,40 @@ TEST_CASE("Live cursor: a budget is complete at its prefix, and a raise goes on 
     bytes.insert(bytes.end(), rest.begin(), rest.end());
     CHECK(decode_mesh(bytes, VertexBudget{UINT32_MAX}).n_vertices() == 21);
 }
+
+TEST_CASE("Live cursor: a preview gives way to the log, which starts anew") {
+    Logs logs;
+    std::vector<RatePoint> previews;
+    DurableSink sink(
+        7, logs.live, [](const RatePoint&) {}, [&](const RatePoint& point) { previews.push_back(point); });
+    REQUIRE(sink.preview() != nullptr);
+    write_octahedron(*sink.preview());
+    const LogView preview = logs.view();
+    REQUIRE(previews.size() == 1);
+    CHECK(previews[0].n_vertices == 6);
+    CHECK(previews[0].n_bytes == preview.size);
+
+    LiveCursor cursor(0, 6);
+    cursor.hello(preview);
+    const auto picture = drain(cursor, preview, 16384);
+    CHECK(decode_mesh(picture, VertexBudget{UINT32_MAX}).n_vertices() == 6);
+    CHECK_FALSE(cursor.is_complete(preview));  // whatever the budget: it is not the model
+
+    write_small_model(sink, 5);
+    sink.seal(logs.sealed);
+    const LogView log = logs.view();
+    CHECK(log.log_id != preview.log_id);
+    CHECK(cursor.hello(log).find("\"next_sequence\":0") != std::string::npos);
+    cursor.set_max_vertices(UINT32_MAX);
+    const auto model = drain(cursor, log, 16384);
+    CHECK(decode_mesh(model, VertexBudget{UINT32_MAX}).n_vertices() == 21);
+    CHECK(cursor.is_complete(log));
+    // Who still reads the preview has its file.
+    CHECK(read_at(*preview.file, 0, static_cast<std::size_t>(preview.size)) == picture);
+}
+
+TEST_CASE("Live cursor: without a listener there is no preview") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    CHECK(sink.preview() == nullptr);
+}

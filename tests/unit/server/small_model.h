@@ -7,9 +7,8 @@
 
 namespace anyrate {
 
-/// Writes a model of one octahedron, refined by `n_batches` splits of face 0, to a sink: a stand-in for a
-/// reconstruction that takes no time.
-inline void write_small_model(ModelSink& sink, int n_batches) {
+/// The base of the small model, with its colours.
+inline RefinableMesh write_octahedron(ModelSink& sink) {
     const BaseMesh octahedron{
         .positions = {{4096, 8192, 8192},
                       {12288, 8192, 8192},
@@ -22,6 +21,13 @@ inline void write_small_model(ModelSink& sink, int n_batches) {
     const RefinementRules rules;
     RefinableMesh mesh(sink.start(grid, rules, octahedron), grid, rules);
     sink.base_attributes(std::vector<Rgb8>(6, Rgb8{200, 100, 50}), {.mean = 100, .max = 200});
+    return mesh;
+}
+
+/// Writes a model of one octahedron, refined by `n_batches` splits of face 0, to a sink: a stand-in for a
+/// reconstruction that takes no time.
+inline void write_small_model(ModelSink& sink, int n_batches) {
+    RefinableMesh mesh = write_octahedron(sink);
     for (int i = 0; i < n_batches; ++i) {
         const SplitRecord record = mesh.split(0, [](const ScalarSite&) { return 0; });
         sink.batch({{record}}, mesh, std::vector<Rgb8>(3, Rgb8{50, 100, 200}),
