@@ -19,10 +19,6 @@ namespace {
 constexpr double most_offset_edges = 0.5;  ///< a fitted surface farther off is another part of the object
 constexpr double most_offset_px = 1.0;     ///< that a split is credited with: beyond, phi is no parabola
 
-/// In batches, times those of the measure: new vertices have few faces each. 1 costs a tenth less time; nefertiti at
-/// 10,000, mean of four runs that differ in the last digits of the cameras: 0.0178 % with 1, 0.0176 % with 1.4.
-constexpr double sample_density = 1.4;
-
 constexpr int most_attempts = 3;       ///< to make a batch lower Psi by leaving splits out
 constexpr double spare_splits = 0.25;  ///< tried beyond those taken, in parts of a batch; nefertiti at 5,000: -5 %
 constexpr int fewest_tried = 40;       ///< splits of a batch
@@ -132,7 +128,7 @@ BatchTargets optimise_batch(const RefinableMesh& state, std::span<const std::int
     optimise.rounds = 1;  // of visibility: the surface hardly moves
     optimise.steps_per_round = 3;
     optimise.tangential = 0;  // the operation smooths tangentially by itself
-    optimise.samples_per_px = sample_density * options.samples_per_px;
+    optimise.samples_per_px = options.samples_per_px;
     if (!active.empty())
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
 

@@ -139,13 +139,6 @@ TECHNIQUES = [
         "constexpr double spare_splits = 0.0;",
     ),
     Technique(
-        "dense_batches",
-        "batches sample 1.4 times as densely as the measure",
-        CORE + "refine.cpp",
-        "constexpr double sample_density = 1.4;",
-        "constexpr double sample_density = 1.0;",
-    ),
-    Technique(
         "aligned_views",
         "cameras turn to where they show the surface; here half a pixel off",
         CORE + "reconstruct.cpp",
