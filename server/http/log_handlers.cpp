@@ -27,9 +27,9 @@ std::string etag_of(const LogView& log, std::uint64_t n_bytes, const char* suffi
     return etag;
 }
 
-LogView expect_log(Service& service, const Request& request) {
+LogView expect_log(Service& service, const Request& request, bool is_live_form = false) {
     const ModelRecord model = expect_model(service, request);
-    auto log = service.store.open_log(model.id);
+    auto log = is_live_form ? service.store.open_live_log(model.id) : service.store.open_log(model.id);
     if (log) return std::move(*log);
     if (is_final(model.state))
         throw HttpProblem(404, "model " + model.id + " has no log: it " + state_name(model.state) + ": " + model.error);
@@ -39,6 +39,14 @@ LogView expect_log(Service& service, const Request& request) {
 
 std::uint64_t prefix_bytes(const LogView& log, const std::optional<Budget>& budget) {
     return budget ? prefix_end(log.rows, *budget, log.frames_begin) : log.size;
+}
+
+/// ?form=live asks for what live clients follow, which a sealed model has beside its sealed form.
+bool wants_live_form(const Request& request) {
+    const auto form = request.query.find("form");
+    if (form == request.query.end()) return false;
+    if (form->second != "live") throw HttpProblem(400, "form: expected live, got \"" + form->second + "\"");
+    return true;
 }
 
 bool prefers_json(const Request& request) {
@@ -118,8 +126,8 @@ Response serve_log(Service& service, const Request& request) {
 }
 
 Response serve_index(Service& service, const Request& request) {
-    expect_only(request, {});
-    const LogView log = expect_log(service, request);
+    expect_only(request, {"form"});
+    const LogView log = expect_log(service, request, wants_live_form(request));
     if (prefers_json(request))
         return made_response(request, log, etag_of(log, log.size, "-json"), "application/json",
                              [&] { return index_json(log); });
