@@ -111,6 +111,38 @@ TEST_CASE("Colour packet: decoding gives back the residuals") {
     CHECK_THROWS_AS(decode_colour(encode_colour(residuals), 300), DecodeError);
 }
 
+TEST_CASE("Base: a payload that claims many faces is refused before they are allocated") {
+    const Grid grid = samples::unit_grid(12);
+    const BaseMesh base = samples::octahedron(grid);
+    auto bytes = encode_base(base, grid.base_shift);
+    constexpr std::size_t faces_at = 13;  // behind Draco's header, the traversal and the vertices
+    REQUIRE(bytes[faces_at] == std::byte{8});
+    bytes[faces_at] = std::byte{0x80};
+    for (const int more : {0x10, 0x80, 0x80}) bytes.insert(bytes.begin() + faces_at + 1, static_cast<std::byte>(more));
+    Header header;
+    header.grid = grid;
+    header.n_base_vertices = 6;
+    header.n_base_faces = 1u << 25;
+    CHECK_THROWS_WITH_AS(decode_base(bytes, header), doctest::Contains("cannot hold"), DecodeError);
+}
+
+TEST_CASE("Draco payload: another version of the bitstream, whose counts stand elsewhere, is refused") {
+    const Grid grid = samples::unit_grid(12);
+    Header header;
+    header.grid = grid;
+    header.n_base_vertices = 6;
+    header.n_base_faces = 8;
+    for (const std::size_t at : {5u, 6u}) {
+        auto base = encode_base(samples::octahedron(grid), grid.base_shift);
+        base[at] = std::byte{1};
+        CHECK_THROWS_WITH_AS(decode_base(base, header), doctest::Contains("expected version 2.2"), DecodeError);
+        auto packet = encode_refine(random_records(10, 5), -1, n_faces);
+        packet[at] = std::byte{1};
+        CHECK_THROWS_WITH_AS(decode_refine(packet, 10, -1, n_faces), doctest::Contains("expected version 2.3"),
+                             DecodeError);
+    }
+}
+
 TEST_CASE("Base: decoding gives the same surface, on the positions it was given") {
     const Grid grid = samples::unit_grid(12);
     const BaseMesh base = samples::icosphere(grid, 2);
