@@ -1,5 +1,6 @@
 #include "server/http/log_handlers.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -25,6 +26,18 @@ std::string etag_of(const LogView& log, std::uint64_t n_bytes, const char* suffi
     std::string etag = "\"";
     etag += hex(log.log_id) + (log.sealed ? "-s" : "-l") + std::to_string(n_bytes) + suffix + "\"";
     return etag;
+}
+
+/// Whether a tag is that of a live log's first bytes: etag_of() with a length that it has outgrown.
+bool is_tag_of_prefix(const LogView& log, std::string_view tag) {
+    const std::string none = etag_of(log, 0, "");  // "...-l0"
+    const std::string_view stem = std::string_view(none).substr(0, none.size() - 2);
+    if (log.sealed || tag.size() < stem.size() + 2 || tag.substr(0, stem.size()) != stem || tag.back() != '"')
+        return false;
+    const std::string_view digits = tag.substr(stem.size(), tag.size() - stem.size() - 1);
+    std::uint64_t n_bytes = 0;
+    const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), n_bytes);
+    return end.ec == std::errc() && end.ptr == digits.data() + digits.size() && n_bytes <= log.size;
 }
 
 LogView expect_log(Service& service, const Request& request, bool is_live_form = false) {
@@ -122,6 +135,7 @@ Response serve_log(Service& service, const Request& request) {
     prefix.content_type = "model/vnd.anyrate";
     prefix.etag = etag_of(log, n_bytes, "");
     prefix.is_immutable = log.sealed;
+    prefix.is_tag_of_prefix = [&log](std::string_view tag) { return is_tag_of_prefix(log, tag); };
     return file_response(request, prefix);
 }
 
