@@ -12,8 +12,8 @@ packages=(
     libdraco-dev nlohmann-json3-dev
     # server
     libcli11-dev libspdlog-dev libsqlite3-dev
-    # tests and scripts
-    doctest-dev curl python3
+    # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
+    doctest-dev curl python3 clang libclang-rt-14-dev llvm
 )
 
 is_installed() {

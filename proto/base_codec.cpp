@@ -9,9 +9,9 @@ namespace anyrate {
 
 namespace {
 
-/// A payload cannot ask for more memory than this many vertices a byte: even a regular sphere takes more than a bit a
-/// vertex.
-constexpr std::size_t max_vertices_per_byte = 64;
+/// A payload cannot ask for more memory than so many vertices and faces a byte: even a regular sphere takes more than a
+/// bit a vertex.
+constexpr std::size_t max_vertices_per_byte = 64, max_faces_per_byte = 128;
 
 }  // namespace
 
@@ -29,9 +29,11 @@ std::vector<std::byte> encode_base(const BaseMesh& base, int base_shift) {
 }
 
 BaseMesh decode_base(std::span<const std::byte> payload, const Header& header) {
-    if (header.n_base_vertices > max_vertices_per_byte * payload.size()) {
+    if (header.n_base_vertices > max_vertices_per_byte * payload.size() ||
+        header.n_base_faces > max_faces_per_byte * payload.size()) {
         throw DecodeError("base: " + std::to_string(payload.size()) + " bytes cannot hold " +
-                          std::to_string(header.n_base_vertices) + " vertices");
+                          std::to_string(header.n_base_vertices) + " vertices and " +
+                          std::to_string(header.n_base_faces) + " faces");
     }
     BaseMesh base = decode_draco_mesh(payload, header.n_base_vertices, header.n_base_faces);
     const std::int32_t limit = (std::int32_t{1} << header.grid.bits) >> header.grid.base_shift;

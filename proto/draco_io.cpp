@@ -18,7 +18,7 @@ namespace {
 
 // The start of every Draco string: "DRACO", version (2), geometry type, method, flags (2), then the geometry's own
 // counts.
-constexpr std::size_t type_offset = 7, method_offset = 8, flags_offset = 9, geometry_offset = 11;
+constexpr std::size_t version_offset = 5, type_offset = 7, method_offset = 8, flags_offset = 9, geometry_offset = 11;
 constexpr std::int32_t max_magnitude = 1 << 25;
 
 [[noreturn]] void fail(const std::string& what) { throw DecodeError("Draco payload: " + what); }
@@ -57,8 +57,12 @@ private:
     std::span<const int> n_components_;
 };
 
-draco::DecoderBuffer open(std::span<const std::byte> bytes, draco::EncodedGeometryType type, int method) {
+/// @param minor  version 2.x of the bitstream: in those of others the counts stand elsewhere, and Draco reads them all
+draco::DecoderBuffer open(std::span<const std::byte> bytes, draco::EncodedGeometryType type, int minor, int method) {
     if (bytes.size() < geometry_offset) fail("shorter than a Draco header");
+    if (std::to_integer<int>(bytes[version_offset]) != 2 || std::to_integer<int>(bytes[version_offset + 1]) != minor) {
+        fail("expected version 2." + std::to_string(minor) + " of the bitstream");
+    }
     if (std::to_integer<int>(bytes[type_offset]) != static_cast<int>(type) ||
         std::to_integer<int>(bytes[method_offset]) != method) {
         fail("another geometry type or encoding method than the frame's");
@@ -156,7 +160,7 @@ std::vector<std::byte> encode_point_cloud(std::size_t n_points, std::span<const 
 
 std::vector<IntAttribute> decode_point_cloud(std::span<const std::byte> bytes, std::size_t n_points,
                                              std::span<const int> n_components) {
-    draco::DecoderBuffer buffer = open(bytes, draco::POINT_CLOUD, draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    draco::DecoderBuffer buffer = open(bytes, draco::POINT_CLOUD, 3, draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
     CheckedDecoder<draco::PointCloudSequentialDecoder> decoder(n_points, n_components);
     draco::PointCloud cloud;
     run(decoder, buffer, cloud);
@@ -187,7 +191,7 @@ std::vector<std::byte> encode_draco_mesh(const BaseMesh& mesh) {
 }
 
 BaseMesh decode_draco_mesh(std::span<const std::byte> bytes, std::size_t n_vertices, std::size_t n_faces) {
-    draco::DecoderBuffer buffer = open(bytes, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING);
+    draco::DecoderBuffer buffer = open(bytes, draco::TRIANGULAR_MESH, 2, draco::MESH_EDGEBREAKER_ENCODING);
     check_mesh_counts(buffer, n_vertices, n_faces);
     constexpr int three[] = {3};
     CheckedDecoder<draco::MeshEdgebreakerDecoder> decoder(n_vertices, three);

@@ -1,5 +1,6 @@
 #include "proto/log_writer.h"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -119,7 +120,7 @@ void LogWriter::base_attributes(std::span<const Rgb8> colours, const DistortionP
 void LogWriter::State::packet(std::span<const SplitRecord> records, std::span<const Rgb8> new_colours,
                               std::int32_t previous_face, const DistortionPoint& distortion,
                               std::vector<Outgoing>& frames) {
-    const std::vector<std::byte> payload = encode_refine(records, previous_face);
+    const std::vector<std::byte> payload = encode_refine(records, previous_face, replica->n_faces());
     const std::uint32_t before = n_vertices();
     std::vector<EdgeEnds> ends;
     for (const SplitRecord& record : records) {
@@ -155,6 +156,10 @@ void LogWriter::batch(std::span<const SplitRecord> records, const RefinableMesh&
     if (new_colours.size() != (s.has_base_colours ? 3 * records.size() : 0)) {
         throw InputError("log writer: expected three colours per split, as the base has colours, or none at all; got " +
                          std::to_string(new_colours.size()) + " for " + std::to_string(records.size()) + " splits");
+    }
+    const auto descend = [](const SplitRecord& a, const SplitRecord& b) { return a.face >= b.face; };
+    if (std::ranges::adjacent_find(records, descend) != records.end()) {
+        throw InputError("log writer: expected the faces of a batch to ascend");
     }
     const std::size_t n_packets = (records.size() + max_splits_per_frame - 1) / max_splits_per_frame;
     const DistortionPoint before{s.rows.back().mean_distortion, s.rows.back().max_distortion};

@@ -38,10 +38,19 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// The sealed form of a live log: the same frames with the index right behind the header and an end frame.
-/// A live log that ends early is sealed at its last whole frame (with its colours, if they are there).
-/// `rows` gives the distortions; rows beyond the log's frames are ignored, missing ones have NaN distortion.
+struct SealOptions {
+    /// Neighbouring packets become one of up to so many splits; 0 leaves every frame as it is. Large packets spare
+    /// Draco's tables and our frames, but a budget is answered with whole ones. On three logs of 10,000 to 100,000
+    /// vertices 512 takes 1 to 7 % off the whole and 1 to 3 % off the mean prefix; 2048 would take 4 to 11 % off the
+    /// whole, but add 11 % to the mean prefix of the smallest.
+    std::uint32_t splits_per_packet = 512;
+};
+
+/// The sealed form of a live log: the same refinements in fewer packets, with the index right behind the header and an
+/// end frame. A live log that ends early is sealed at its last whole frame (with its colours, if they are there).
+/// `rows` gives the distortions, by number of vertices; where there is none it is NaN.
 /// @throws DecodeError if `live` is no log
-std::vector<std::byte> seal_log(std::span<const std::byte> live, std::span<const IndexRow> rows);
+std::vector<std::byte> seal_log(std::span<const std::byte> live, std::span<const IndexRow> rows,
+                                const SealOptions& options = {});
 
 }  // namespace anyrate

@@ -162,18 +162,14 @@ void ModelDecoder::State::replay() {
 void ModelDecoder::State::replay(Packet& packet) {
     if (packet.records.empty()) {
         const bool starts_batch = (packet.frame.flags & frame_flag_new_batch) != 0;
-        packet.records =
-            decode_refine(packet.payload, packet.frame.n_splits, starts_batch ? no_previous_face : previous_face);
+        packet.records = decode_refine(packet.payload, packet.frame.n_splits,
+                                       starts_batch ? no_previous_face : previous_face, mesh->n_faces());
         previous_face = packet.records.back().face;
         packet.payload = {};
     }
     const bool was_replayed = packet.is_replayed();
     while (!packet.is_replayed() && std::int64_t{mesh->n_vertices()} + 3 <= std::int64_t{max_vertices}) {
         const SplitRecord& record = packet.records[packet.n_replayed];
-        if (record.face >= mesh->n_faces()) {
-            throw DecodeError("frame " + std::to_string(packet.frame.sequence) + ": face " +
-                              std::to_string(record.face) + " of only " + std::to_string(mesh->n_faces()));
-        }
         const Triangle corners = mesh->triangles()[static_cast<std::size_t>(record.face)];
         mesh->apply(record);
         ++packet.n_replayed;

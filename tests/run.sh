@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan.
+# Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan; then
+# lets each fuzz target look for new inputs for half a minute.
 # The last line is "N passed, N failed" (", N skipped" if any); the exit status is 0 only if tests ran and none failed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -49,6 +50,12 @@ sanitized_tests() {
     for area in "${areas[@]}"; do run_tests "sanitized ${area##*/}" "build-asan/$area"; done
 }
 
+# Instrumented by Clang, whose libFuzzer starts from the corpora beside the targets.
+fuzz_tests() {
+    step "build fuzz targets" cmake --build build-fuzz --target tests/fuzz/all || return
+    run_tests "fuzz" build-fuzz/tests/fuzz
+}
+
 step "install" bash docker/install.sh || { echo "0 passed, 1 failed"; exit 1; }
 step "install web packages" web_packages
 mkdir -p build/reports
@@ -57,6 +64,8 @@ step "configure" cmake -S . -B build "${options[@]}" -DCMAKE_BUILD_TYPE=Release 
 # A debug build, so that assertions hold too, but optimised enough to end soon.
 step "configure with sanitizers" cmake -S . -B build-asan "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
     -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_SANITIZE=ON && sanitized_tests
+step "configure fuzz targets" cmake -S . -B build-fuzz "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
+    -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_FUZZ=ON && fuzz_tests
 
 read -r passed failed skipped < <(python3 tests/count.py "${reports[@]}")
 failed=$((${failed:-1} + broken))

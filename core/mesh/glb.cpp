@@ -25,66 +25,57 @@ std::uint16_t to_linear(std::uint8_t srgb) {
     return static_cast<std::uint16_t>(std::lround(65535 * linear));
 }
 
-/// The document and the one buffer it describes, built accessor by accessor.
+GlbGeometry to_geometry(const Mesh& mesh, const Vec3& origin) {
+    GlbGeometry geometry{.positions = {}, .normals = file_normals(mesh), .colours = {}, .triangles = mesh.triangles};
+    for (const Vec3& v : mesh.vertices) geometry.positions.emplace_back((v - origin).cast<float>());
+    for (const Rgb8 c : mesh.colours) geometry.colours.push_back({to_linear(c.r), to_linear(c.g), to_linear(c.b)});
+    return geometry;
+}
+
+/// The document and the one buffer it describes, built view by view.
 class GlbBuilder {
 public:
-    /// Everything put into the buffer since the last call becomes an accessor of its own view; returns its number.
-    int add_accessor(int target, int component_type, const char* type, int count) {
-        const std::size_t length = buffer_.size() - view_begin_;
-        json_["bufferViews"].push_back(
-            {{"buffer", 0}, {"byteOffset", view_begin_}, {"byteLength", length}, {"target", target}});
-        json_["accessors"].push_back({{"bufferView", json_["bufferViews"].size() - 1},
-                                      {"componentType", component_type},
-                                      {"count", count},
-                                      {"type", type}});
-        view_begin_ = buffer_.size();
-        return static_cast<int>(json_["accessors"].size()) - 1;
-    }
+    explicit GlbBuilder(const Vec3& origin) : origin_(origin) {}
 
-    int add_positions(const Mesh& mesh, const Vec3& origin) {
-        Eigen::AlignedBox3f box;
-        for (const Vec3& v : mesh.vertices) {
-            const Eigen::Vector3f p = (v - origin).cast<float>();
-            for (const float x : p) put_little_endian(buffer_, x);
-            box.extend(p);
-        }
-        const int number = add_accessor(array_buffer, float32, "VEC3", mesh.n_vertices());
-        const auto corner = [](const Eigen::Vector3f& p) { return Json::array({p.x(), p.y(), p.z()}); };
-        json_["accessors"][number]["min"] = corner(box.min());
-        json_["accessors"][number]["max"] = corner(box.max());
-        return number;
-    }
-
-    int add_normals(const Mesh& mesh) {
-        for (Vec3 n : vertex_normals(mesh)) {
-            if (n.isZero()) n = Vec3::UnitZ();  // glTF knows unit normals only
-            for (const double x : n) put_little_endian(buffer_, static_cast<float>(x));
-        }
-        return add_accessor(array_buffer, float32, "VEC3", mesh.n_vertices());
-    }
-
-    /// With an opaque alpha, so that each vertex takes eight bytes: views must be aligned to four.
-    int add_colours(const Mesh& mesh) {
-        for (const Rgb8 c : mesh.colours) {
-            for (const auto channel : {c.r, c.g, c.b}) put_little_endian(buffer_, to_linear(channel));
-            put_little_endian(buffer_, std::uint16_t{65535});
-        }
-        const int number = add_accessor(array_buffer, unsigned_short, "VEC4", mesh.n_vertices());
-        json_["accessors"][number]["normalized"] = true;
-        return number;
-    }
-
-    int add_indices(const Mesh& mesh) {
-        for (const Triangle& t : mesh.triangles)
+    /// The geometry as it is, each attribute a view of its own.
+    void add_plain(const GlbGeometry& geometry) {
+        const int n_vertices = static_cast<int>(geometry.positions.size());
+        Json attributes;
+        attributes["POSITION"] = add_positions(geometry.positions);
+        put_vectors(geometry.normals);
+        attributes["NORMAL"] = add_accessor(add_view(array_buffer), float32, "VEC3", n_vertices);
+        if (!geometry.colours.empty()) attributes["COLOR_0"] = add_colours(geometry);
+        for (const Triangle& t : geometry.triangles)
             for (const auto v : t) put_little_endian(buffer_, static_cast<std::uint32_t>(v));
-        return add_accessor(element_array_buffer, unsigned_int, "SCALAR", 3 * mesh.n_faces());
+        const int n_indices = 3 * static_cast<int>(geometry.triangles.size());
+        const int indices = add_accessor(add_view(element_array_buffer), unsigned_int, "SCALAR", n_indices);
+        add_scene({{"attributes", attributes}, {"indices", indices}, {"material", 0}});
     }
 
-    Json& json() { return json_; }
+    /// One view of Draco's bytes. The accessors have none: they say what a decoder will find.
+    void add_compressed(const DracoGeometry& geometry) {
+        constexpr const char* extension = "KHR_draco_mesh_compression";
+        Json attributes, ids;
+        const auto add = [&](const char* name, int id) {
+            attributes[name] = add_accessor(std::nullopt, float32, "VEC3", geometry.n_vertices);
+            ids[name] = id;
+        };
+        add("POSITION", geometry.position_id);
+        set_bounds(attributes["POSITION"], geometry.bounds);
+        add("NORMAL", geometry.normal_id);
+        if (geometry.colour_id) add("COLOR_0", *geometry.colour_id);
+        const int indices = add_accessor(std::nullopt, unsigned_int, "SCALAR", 3 * geometry.n_faces);
+        buffer_.insert(buffer_.end(), geometry.bytes.begin(), geometry.bytes.end());
+        const Json draco = {{"bufferView", add_view(std::nullopt)}, {"attributes", ids}};
+        add_scene(
+            {{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"extensions", {{extension, draco}}}});
+        json_["extensionsUsed"] = json_["extensionsRequired"] = Json::array({extension});
+    }
 
-    /// The file: 12 bytes of header, the document padded with spaces, the buffer (every view's length divides by 4).
+    /// The file: 12 bytes of header, the document padded with spaces, the buffer padded with zeros.
     std::vector<std::byte> finish() {
         if (!buffer_.empty()) json_["buffers"] = Json::array({{{"byteLength", buffer_.size()}}});
+        buffer_.resize((buffer_.size() + 3) / 4 * 4);
         std::string text = json_.dump();
         text.resize((text.size() + 3) / 4 * 4, ' ');
         const std::size_t bin_size = buffer_.empty() ? 0 : 8 + buffer_.size();
@@ -104,35 +95,91 @@ private:
         for (const std::uint32_t n : numbers) put_little_endian(file, n);
     }
 
+    void put_vectors(const std::vector<Eigen::Vector3f>& vectors) {
+        for (const Eigen::Vector3f& v : vectors)
+            for (const float x : v) put_little_endian(buffer_, x);
+    }
+
+    /// Everything put into the buffer since the last call; returns the view's number.
+    int add_view(std::optional<int> target) {
+        Json view = {{"buffer", 0}, {"byteOffset", view_begin_}, {"byteLength", buffer_.size() - view_begin_}};
+        if (target) view["target"] = *target;
+        json_["bufferViews"].push_back(view);
+        view_begin_ = buffer_.size();
+        return static_cast<int>(json_["bufferViews"].size()) - 1;
+    }
+
+    int add_accessor(std::optional<int> view, int component_type, const char* type, int count) {
+        Json accessor;
+        if (view) accessor["bufferView"] = *view;
+        accessor.update({{"componentType", component_type}, {"count", count}, {"type", type}});
+        json_["accessors"].push_back(accessor);
+        return static_cast<int>(json_["accessors"].size()) - 1;
+    }
+
+    void set_bounds(int accessor, const Eigen::AlignedBox3f& box) {
+        const auto corner = [](const Eigen::Vector3f& p) { return Json::array({p.x(), p.y(), p.z()}); };
+        json_["accessors"][accessor]["min"] = corner(box.min());
+        json_["accessors"][accessor]["max"] = corner(box.max());
+    }
+
+    int add_positions(const std::vector<Eigen::Vector3f>& positions) {
+        put_vectors(positions);
+        const int number = add_accessor(add_view(array_buffer), float32, "VEC3", static_cast<int>(positions.size()));
+        Eigen::AlignedBox3f box;
+        for (const Eigen::Vector3f& p : positions) box.extend(p);
+        set_bounds(number, box);
+        return number;
+    }
+
+    /// With an opaque alpha, so that each vertex takes eight bytes: views must be aligned to four.
+    int add_colours(const GlbGeometry& geometry) {
+        for (const auto& colour : geometry.colours) {
+            for (const std::uint16_t channel : colour) put_little_endian(buffer_, channel);
+            put_little_endian(buffer_, std::uint16_t{65535});
+        }
+        const int number =
+            add_accessor(add_view(array_buffer), unsigned_short, "VEC4", static_cast<int>(geometry.colours.size()));
+        json_["accessors"][number]["normalized"] = true;
+        return number;
+    }
+
+    /// A scene of one node with one mesh of this primitive.
+    void add_scene(const Json& primitive) {
+        Json node = {{"mesh", 0}};
+        if (!origin_.isZero()) node["translation"] = {origin_.x(), origin_.y(), origin_.z()};
+        json_["scene"] = 0;
+        json_["scenes"] = Json::array({{{"nodes", {0}}}});
+        json_["nodes"] = Json::array({node});
+        json_["meshes"] = Json::array({{{"primitives", Json::array({primitive})}}});
+        // The default material is a metal, which shows its surroundings instead of its colour.
+        json_["materials"] = Json::array({{{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}}});
+    }
+
+    Vec3 origin_;
     Json json_ = {{"asset", {{"version", "2.0"}, {"generator", "anyrate"}}}};
     std::vector<std::byte> buffer_;
     std::size_t view_begin_ = 0;
 };
 
+Vec3 origin_of(const Mesh& mesh) {
+    if (floats_suffice(mesh)) return Vec3::Zero();
+    return bounding_box(mesh).center();
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_glb(const Mesh& mesh) {
-    GlbBuilder builder;
-    if (mesh.triangles.empty()) return builder.finish();
-    Json node = {{"mesh", 0}};
-    Vec3 origin = Vec3::Zero();
-    if (!floats_suffice(mesh)) {
-        origin = bounding_box(mesh).center();
-        node["translation"] = {origin.x(), origin.y(), origin.z()};
-    }
-    Json attributes;
-    attributes["POSITION"] = builder.add_positions(mesh, origin);
-    attributes["NORMAL"] = builder.add_normals(mesh);
-    if (!mesh.colours.empty()) attributes["COLOR_0"] = builder.add_colours(mesh);
-    const int indices = builder.add_indices(mesh);
-    Json& json = builder.json();
-    json["scene"] = 0;
-    json["scenes"] = Json::array({{{"nodes", {0}}}});
-    json["nodes"] = Json::array({node});
-    json["meshes"] = Json::array(
-        {{{"primitives", Json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}}})}}});
-    // The default material is a metal, which shows its surroundings instead of its colour.
-    json["materials"] = Json::array({{{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}}});
+    const Vec3 origin = origin_of(mesh);
+    GlbBuilder builder(origin);
+    if (!mesh.triangles.empty()) builder.add_plain(to_geometry(mesh, origin));
+    return builder.finish();
+}
+
+std::vector<std::byte> encode_glb(const Mesh& mesh, const CompressGeometry& compress) {
+    const Vec3 origin = origin_of(mesh);
+    GlbBuilder builder(origin);
+    if (!mesh.triangles.empty()) builder.add_compressed(compress(to_geometry(mesh, origin)));
     return builder.finish();
 }
 

@@ -17,8 +17,8 @@ enum class MeshFormat { ply, obj, glb };
 MeshFormat mesh_format(const std::filesystem::path& file);
 
 /// A mesh as the bytes of a file: binary little-endian PLY (positions float, or double where floats would lose more
-/// than a millionth of the diagonal; uchar colours), OBJ, or GLB 2.0 (positions, normals, colours). The same mesh
-/// always gives the same bytes.
+/// than a millionth of the diagonal), OBJ, or GLB 2.0, each with normals and, if the mesh has them, colours. The same
+/// mesh always gives the same bytes.
 std::vector<std::byte> encode_mesh_file(const Mesh& mesh, MeshFormat format);
 
 /// Reads PLY (ascii or binary, polygons are fanned) or OBJ. `name` is for messages.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/mesh/normals.h"
 #include "core/mesh/text_scan.h"
 
 namespace anyrate {
@@ -99,9 +100,17 @@ std::vector<std::byte> encode_obj(const Mesh& mesh) {
                 put(text, static_cast<float>(c) / 255.0F);
         text += "\n";
     }
+    for (const Eigen::Vector3f& n : file_normals(mesh)) {
+        text += "vn";
+        for (const float x : n) put(text, std::round(x * 1e4F) / 1e4F);
+        text += "\n";
+    }
     for (const Triangle& t : mesh.triangles) {
         text += "f";
-        for (const auto v : t) put(text, v + 1);
+        for (const auto v : t) {
+            put(text, v + 1);
+            text += "//" + std::to_string(v + 1);
+        }
         text += "\n";
     }
     const auto bytes = std::as_bytes(std::span(text));

@@ -9,8 +9,8 @@
 
 namespace anyrate {
 
-/// Binary little-endian: x y z as floats, or as doubles where floats would not suffice (bounds.h), colours as uchar
-/// red green blue, faces as "list uchar int vertex_indices".
+/// Binary little-endian: x y z as floats, or as doubles where floats would not suffice (bounds.h), unit normals as
+/// floats nx ny nz, colours as uchar red green blue, faces as "list uchar int vertex_indices".
 std::vector<std::byte> encode_ply(const Mesh& mesh);
 
 /// Ascii and binary of both byte orders, any number types; polygons become fans, what else the file holds is skipped.

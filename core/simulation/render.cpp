@@ -88,17 +88,6 @@ Rgb8 expose(const std::array<double, 3>& levels, std::uint64_t pixel, const Rend
 
 std::uint8_t to_level(double linear) { return to_byte(encode_gamma(linear)); }
 
-std::vector<Vec3> vertex_normals(const Mesh& surface) {
-    std::vector<Vec3> normals(surface.vertices.size(), Vec3::Zero());
-    for (const auto& [a, b, c] : surface.triangles) {
-        const Vec3& at_a = surface.vertices[a];
-        const Vec3 twice_area = (surface.vertices[b] - at_a).cross(surface.vertices[c] - at_a);
-        for (const std::int32_t v : {a, b, c}) normals[v] += twice_area;
-    }
-    for (Vec3& normal : normals) normal.normalize();
-    return normals;
-}
-
 double studio_light(const Vec3& normal) {
     // A sky above, a warm window on one side, a reflector on the other. The window's light wraps around the shape
     // (the cosine is raised and squared), so that nothing is lost in black.

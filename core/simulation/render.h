@@ -18,9 +18,6 @@ struct Model {
     Appearance appearance;
 };
 
-/// Unit vertex normals: the sum of the triangles' normals weighted by area.
-std::vector<Vec3> vertex_normals(const Mesh& surface);
-
 /// The share of a fixed, soft light that arrives at a surface with this unit normal, in [0, 1]: a function of the
 /// normal alone (no shadows, no highlights), hence the same from every view.
 double studio_light(const Vec3& normal);

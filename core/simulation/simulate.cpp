@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/mesh/normals.h"
 #include "core/mesh/topology.h"
 #include "core/parallel.h"
 #include "core/simulation/hash.h"

@@ -71,9 +71,9 @@ Json layout_json(const LogLayout& layout, std::size_t n_bytes) {
             {"frames", frames_json(layout)}};
 }
 
-void print_layout(const LogLayout& layout, std::size_t n_bytes, const std::filesystem::path& model) {
+void print_layout(const LogLayout& layout, std::size_t n_bytes, const char* name) {
     const Header& header = layout.header;
-    std::printf("%s: version %d.%d, %zu bytes, %s%s\n", model.c_str(), header.major, header.minor, n_bytes,
+    std::printf("%s: version %d.%d, %zu bytes, %s%s\n", name, header.major, header.minor, n_bytes,
                 header.sealed ? "sealed" : "live", layout.ended ? "" : ", not ended");
     std::printf("grid of %d bits, one unit is %.6g of the world; steps are edge / %d\n", header.grid.bits,
                 header.grid.unit, header.rules.step_ratio);
@@ -90,10 +90,11 @@ void print_layout(const LogLayout& layout, std::size_t n_bytes, const std::files
 int info(const InfoOptions& options) {
     const auto log = read_log(options.model);
     const LogLayout layout = read_layout(log);
+    warn_if_cut(layout, log.size(), options.model);
     if (options.json) {
         std::printf("%s\n", layout_json(layout, log.size()).dump(1).c_str());
     } else {
-        print_layout(layout, log.size(), options.model);
+        print_layout(layout, log.size(), log_name(options.model));
     }
     return 0;
 }
@@ -103,7 +104,7 @@ int info(const InfoOptions& options) {
 void add_info(CLI::App& app, Command& command) {
     auto options = std::make_shared<InfoOptions>();
     CLI::App* sub = app.add_subcommand("info", "list the frames of a model");
-    sub->add_option("MODEL", options->model, "the log of a model (.arl)")->required();
+    sub->add_option("MODEL", options->model, "the log of a model (.arl); - is the standard input")->required();
     sub->add_flag("--json", options->json, "as JSON");
     sub->callback([options, &command] { command = [options] { return info(*options); }; });
 }

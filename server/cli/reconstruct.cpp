@@ -69,12 +69,15 @@ std::string method_name(Method method) {
     return {};
 }
 
-/// @param curve  with the bytes of the live log, whose frames begin right behind its header
+/// @param curve  its bytes become those of the sealed log, whose packets may hold several points
 Report make_report(const ReconstructCommand& request, std::optional<ReportPoint> preview,
                    std::vector<ReportPoint> curve, int n_threads, const ReconstructResult& result) {
     const auto log = read_log(request.model);
     const LogLayout layout = read_layout(log);
-    for (ReportPoint& point : curve) point.bytes += layout.frames_begin - header_size;
+    for (ReportPoint& point : curve) {
+        const VertexBudget budget{static_cast<std::uint32_t>(point.n_vertices)};
+        point.bytes = prefix_end(layout.index, budget, layout.frames_begin);
+    }
     return {.capture = request.capture.string(),
             .method = method_name(request.reconstruct.method),
             .backend = "cpu",

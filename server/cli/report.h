@@ -11,7 +11,7 @@ namespace anyrate {
 /// The mesh after one batch of the log.
 struct ReportPoint {
     int n_vertices = 0;
-    std::uint64_t bytes = 0;  ///< of the sealed log's prefix up to here, header and index included
+    std::uint64_t bytes = 0;  ///< of the sealed log's prefix that answers these vertices, header and index included
     double psi = 0;           ///< Eq. 10, squared 8-bit colour units
     double seconds = 0;       ///< wall time since the command began
 };

@@ -65,14 +65,23 @@ public:
         const std::uint64_t end = wanted_end();
         if (log_.bytes.size() < std::min(end, size_)) read_rest(end);
         if (end < log_.bytes.size()) log_.bytes.resize(static_cast<std::size_t>(end));
+        trace_.end_requests(client_.n_received());
         if (end != no_end && log_.bytes.size() < end) throw IoError("the server sent less than its index promised");
         return std::move(log_);
     }
 
 private:
+    /// Asks for bytes begin .. end - 1 of the log, if it is still the one with this ETag.
+    ClientResponse request_range(std::uint64_t begin, std::uint64_t end, const std::string& etag) {
+        const std::string range = range_field(begin, end);
+        ClientRequest request{.target = target_, .headers = {{"Range", range}}, .body = {}};
+        if (!etag.empty()) request.headers.emplace_back("If-Range", etag);
+        trace_.begin_request(target_, range, client_.n_received());
+        return client_.open(request);
+    }
+
     void open_first() {
-        response_ =
-            client_.open({.target = target_, .headers = {{"Range", range_field(0, first_request)}}, .body = {}});
+        response_ = request_range(0, first_request, "");
         if (response_.status != 200 && response_.status != 206) throw_problem(client_, response_);
         if (response_.status == 206) size_ = total_size(response_.content_range);
     }
@@ -94,6 +103,7 @@ private:
 
     std::optional<Head> head_from_side_index() {
         if (response_.status == 200) return std::nullopt;  // no Range, so the rest of this body is the only source
+        trace_.begin_request(index_target(target_), "", client_.n_received());
         auto index = fetch_index(client_, index_target(target_));
         const LogLayout layout = read_layout(log_.bytes);
         if (!index || index->log_id != layout.header.log_id) return std::nullopt;
@@ -108,10 +118,7 @@ private:
     /// The same body goes on if the server knew no ranges; else one more range, if the log is still the same.
     void read_rest(std::uint64_t end) {
         if (response_.status == 206) {
-            ClientRequest request{
-                .target = target_, .headers = {{"Range", range_field(log_.bytes.size(), end)}}, .body = {}};
-            if (!response_.etag.empty()) request.headers.emplace_back("If-Range", response_.etag);
-            const ClientResponse rest = client_.open(request);
+            const ClientResponse rest = request_range(log_.bytes.size(), end, response_.etag);
             if (rest.status == 200) throw IoError("the log changed while it was fetched; try again");
             if (rest.status != 206) throw_problem(client_, rest);
         }
@@ -140,7 +147,7 @@ std::string index_target(const std::string& log_target) {
     constexpr std::string_view log = "/log";
     const auto model = log_target.size() - std::min(log_target.size(), log.size());
     if (log_target.substr(model) == log && is_model_target(log_target.substr(0, model)))
-        return log_target.substr(0, model) + "/index";
+        return log_target.substr(0, model) + "/index?form=live";
     return log_target + ".idx";
 }
 

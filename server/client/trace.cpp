@@ -3,8 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace anyrate {
+
+void ArrivalTrace::begin_request(std::string target, std::string range, std::uint64_t n_received) {
+    end_requests(n_received);
+    requests_.push_back({std::move(target), std::move(range), n_received, n_received});
+}
+
+void ArrivalTrace::end_requests(std::uint64_t n_received) {
+    if (!requests_.empty()) requests_.back().end = n_received;
+}
 
 void ArrivalTrace::note(std::uint64_t n_bytes) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
@@ -18,7 +28,12 @@ void ArrivalTrace::begin_anew() {
 }
 
 std::string ArrivalTrace::to_json(std::span<const IndexRow> rows, std::uint64_t frames_begin) const {
-    nlohmann::ordered_json json = {{"frames", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json json = {{"requests", nlohmann::ordered_json::array()},
+                                   {"frames", nlohmann::ordered_json::array()}};
+    for (const Request& request : requests_) {
+        json["requests"].push_back(
+            {{"target", request.target}, {"range", request.range}, {"bytes", request.end - request.begin}});
+    }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::uint64_t end = frames_begin + rows[i].end;
         const auto arrival =

@@ -10,7 +10,11 @@ RangeAnswer wanted_range(const Request& request, const Representation& represent
     const auto range = request.headers.find("Range");
     if (!range) return WholeBody{};
     const auto condition = request.headers.find("If-Range");
-    if (condition && !if_range_holds(*condition, representation.etag)) return WholeBody{};
+    const auto holds = [&](std::string_view tag) {
+        return if_range_holds(tag, representation.etag) ||
+               (representation.is_tag_of_prefix && representation.is_tag_of_prefix(tag));
+    };
+    if (condition && !holds(*condition)) return WholeBody{};
     return parse_range(*range, representation.bytes.n_bytes);
 }
 

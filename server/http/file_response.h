@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <string>
+#include <string_view>
 
 #include "server/http/message.h"
 
@@ -11,6 +13,9 @@ struct Representation {
     std::string content_type;
     std::string etag;           ///< strong, with its quotes
     bool is_immutable = false;  ///< the same bytes for ever under this address
+    /// Whether a tag is that of these bytes when they were fewer, of a file that only grows: then ranges may still be
+    /// joined to what was got under it. Empty if there is no such tag.
+    std::function<bool(std::string_view etag)> is_tag_of_prefix = {};
 };
 
 /// Answers a GET or HEAD: 200, 206 with If-Range looked at, 304 by If-None-Match, 416. No byte is encoded anew.

@@ -14,7 +14,7 @@ std::vector<std::byte> read_exactly(const LogView& log, std::uint64_t begin, std
     return bytes;
 }
 
-/// A sealed header promises an index behind it, which a live client does not get.
+/// A sealed header, of a model without a live file, promises an index behind it that a live client does not get.
 std::vector<std::byte> live_header(const LogView& log) {
     Header header = decode_header(read_exactly(log, 0, header_size));
     header.sealed = false;
@@ -32,7 +32,7 @@ std::string LiveCursor::hello(const LogView& log) {
     header_sent_ = next_ > 0;  // who resumes has it
     char text[160];
     std::snprintf(text, sizeof text, R"({"type":"hello","log_id":"%016llx","next_sequence":%u,"sealed":%s})",
-                  static_cast<unsigned long long>(log.log_id), next_, log.sealed ? "true" : "false");
+                  static_cast<unsigned long long>(log.log_id), next_, log.complete ? "true" : "false");
     return text;
 }
 
@@ -53,7 +53,7 @@ std::optional<std::vector<std::byte>> LiveCursor::next_message(const LogView& lo
         return read_exactly(log, begin, end);
     }
     // Behind the last row stands the end frame, which only a client with the whole log gets.
-    if (log.sealed && next_ == log.rows.size() && !end_sent_) {
+    if (log.complete && next_ == log.rows.size() && !end_sent_) {
         end_sent_ = true;
         const std::uint64_t begin = log.frames_begin + log.rows.back().end;
         if (begin < log.size) return read_exactly(log, begin, log.size);
@@ -66,7 +66,7 @@ bool LiveCursor::is_complete(const LogView& log) const {
     const std::size_t last = last_row(log);
     // A budget inside a growing log is met only when a later frame shows that its colours are there.
     if (last < log.rows.size()) return next_ >= last;
-    return log.sealed && (end_sent_ || next_ > log.rows.size());
+    return log.complete && (end_sent_ || next_ > log.rows.size());
 }
 
 }  // namespace anyrate

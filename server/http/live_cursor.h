@@ -11,8 +11,8 @@ namespace anyrate {
 
 /// Where one live client stands in a log: decides what it is sent next. Knows no socket.
 ///
-/// The client sees the live form of the log whatever the file's form is: header, base, colours, refinements, end. A
-/// frame's row number in the index is its sequence number (proto/FORMAT.md, "Frame").
+/// The client sees the live form of the log (open_live_log): header, base, colours, refinements, end. A frame's row
+/// number in the index is its sequence number (proto/FORMAT.md, "Frame").
 class LiveCursor {
 public:
     LiveCursor(std::uint32_t from, std::uint32_t max_vertices) : next_(from), max_vertices_(max_vertices) {}

@@ -61,7 +61,7 @@ struct Snapshot {
 Snapshot look_up(Service& service, const std::string& id) {
     // The model first: if it is final then, its log is whole.
     Snapshot snapshot{.model = service.catalog.find(id), .log = std::nullopt};
-    if (snapshot.model) snapshot.log = service.store.open_log(id);
+    if (snapshot.model) snapshot.log = service.store.open_live_log(id);
     return snapshot;
 }
 
@@ -150,7 +150,7 @@ awaitable<websocket::close_code> follow(Connection& connection) {
         bool is_complete = false;
         if (now.log) is_complete = co_await send_frames(connection, *now.log);
         const bool is_over = !now.model || is_final(now.model->state);
-        const bool is_sealed = now.log && now.log->sealed;
+        const bool is_sealed = now.log && now.log->complete;
         // A log is sealed a moment before the catalog hears of it: who is told the end finds it there, too.
         if (is_sealed ? is_complete && is_over : is_complete || is_over) {
             std::string end = end_message(now.model);

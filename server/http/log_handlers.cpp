@@ -1,5 +1,6 @@
 #include "server/http/log_handlers.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -27,9 +28,21 @@ std::string etag_of(const LogView& log, std::uint64_t n_bytes, const char* suffi
     return etag;
 }
 
-LogView expect_log(Service& service, const Request& request) {
+/// Whether a tag is that of a live log's first bytes: etag_of() with a length that it has outgrown.
+bool is_tag_of_prefix(const LogView& log, std::string_view tag) {
+    const std::string none = etag_of(log, 0, "");  // "...-l0"
+    const std::string_view stem = std::string_view(none).substr(0, none.size() - 2);
+    if (log.sealed || tag.size() < stem.size() + 2 || tag.substr(0, stem.size()) != stem || tag.back() != '"')
+        return false;
+    const std::string_view digits = tag.substr(stem.size(), tag.size() - stem.size() - 1);
+    std::uint64_t n_bytes = 0;
+    const auto end = std::from_chars(digits.data(), digits.data() + digits.size(), n_bytes);
+    return end.ec == std::errc() && end.ptr == digits.data() + digits.size() && n_bytes <= log.size;
+}
+
+LogView expect_log(Service& service, const Request& request, bool is_live_form = false) {
     const ModelRecord model = expect_model(service, request);
-    auto log = service.store.open_log(model.id);
+    auto log = is_live_form ? service.store.open_live_log(model.id) : service.store.open_log(model.id);
     if (log) return std::move(*log);
     if (is_final(model.state))
         throw HttpProblem(404, "model " + model.id + " has no log: it " + state_name(model.state) + ": " + model.error);
@@ -39,6 +52,14 @@ LogView expect_log(Service& service, const Request& request) {
 
 std::uint64_t prefix_bytes(const LogView& log, const std::optional<Budget>& budget) {
     return budget ? prefix_end(log.rows, *budget, log.frames_begin) : log.size;
+}
+
+/// ?form=live asks for what live clients follow, which a sealed model has beside its sealed form.
+bool wants_live_form(const Request& request) {
+    const auto form = request.query.find("form");
+    if (form == request.query.end()) return false;
+    if (form->second != "live") throw HttpProblem(400, "form: expected live, got \"" + form->second + "\"");
+    return true;
 }
 
 bool prefers_json(const Request& request) {
@@ -114,12 +135,13 @@ Response serve_log(Service& service, const Request& request) {
     prefix.content_type = "model/vnd.anyrate";
     prefix.etag = etag_of(log, n_bytes, "");
     prefix.is_immutable = log.sealed;
+    prefix.is_tag_of_prefix = [&log](std::string_view tag) { return is_tag_of_prefix(log, tag); };
     return file_response(request, prefix);
 }
 
 Response serve_index(Service& service, const Request& request) {
-    expect_only(request, {});
-    const LogView log = expect_log(service, request);
+    expect_only(request, {"form"});
+    const LogView log = expect_log(service, request, wants_live_form(request));
     if (prefers_json(request))
         return made_response(request, log, etag_of(log, log.size, "-json"), "application/json",
                              [&] { return index_json(log); });

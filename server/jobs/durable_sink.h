@@ -31,7 +31,7 @@ public:
                const DistortionPoint& distortion) override;
     void finish() override;
 
-    /// Publishes the sealed form and removes the live log. @throws IoError
+    /// Publishes the sealed form beside the live log. @throws IoError
     void seal(const std::filesystem::path& sealed);
 
 private:

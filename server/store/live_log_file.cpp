@@ -35,8 +35,6 @@ void LiveLogFile::publish_index(std::uint64_t log_id, std::span<const IndexRow> 
 
 void LiveLogFile::seal(const std::filesystem::path& sealed, std::span<const IndexRow> rows) {
     replace_file(sealed, seal_log(read_file(path_), rows));
-    std::filesystem::remove(path_);
-    std::filesystem::remove(side_index_of(path_));
 }
 
 }  // namespace anyrate

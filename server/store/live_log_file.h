@@ -22,7 +22,8 @@ public:
     void begin_anew();  ///< Forgets all frames and rows; who reads them keeps their files. @throws IoError
     void append(std::span<const std::byte> frames);                            ///< @throws IoError
     void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows);  ///< @throws IoError
-    /// Writes the sealed form (seal_log) to `sealed` atomically and removes the live files. @throws IoError
+    /// Writes the sealed form (seal_log) to `sealed` atomically. The live files stay: clients that follow them count
+    /// their frames, and the sealed form has others. @throws IoError
     void seal(const std::filesystem::path& sealed, std::span<const IndexRow> rows);
 
 private:

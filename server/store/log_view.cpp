@@ -24,6 +24,7 @@ std::optional<LogView> open_sealed(const std::filesystem::path& sealed) {
     return LogView{.file = std::move(file),
                    .log_id = layout.header.log_id,
                    .sealed = true,
+                   .complete = true,
                    .size = size,
                    .frames_begin = layout.frames_begin,
                    .rows = std::move(layout.index)};
@@ -40,6 +41,7 @@ std::optional<LogView> open_live(const std::filesystem::path& live) {
     return LogView{.file = std::move(file),
                    .log_id = index.log_id,
                    .sealed = false,
+                   .complete = false,
                    .size = layout.frames_begin + index.rows.back().end,
                    .frames_begin = layout.frames_begin,
                    .rows = std::move(index.rows)};
@@ -51,6 +53,15 @@ std::optional<LogView> open_log(const std::filesystem::path& sealed, const std::
     if (auto view = open_sealed(sealed)) return view;
     if (auto view = open_live(live)) return view;
     return open_sealed(sealed);  // it may have been sealed between the two looks
+}
+
+std::optional<LogView> open_live_log(const std::filesystem::path& sealed, const std::filesystem::path& live) {
+    const bool is_sealed = std::filesystem::exists(sealed);  // first: then the live file is whole
+    auto view = open_live(live);
+    if (!view) return open_sealed(sealed);
+    view->complete = is_sealed;
+    if (is_sealed) view->size = file_size(*view->file);  // the end frame has no row
+    return view;
 }
 
 }  // namespace anyrate

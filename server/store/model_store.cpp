@@ -88,6 +88,11 @@ std::optional<LogView> ModelStore::open_log(const std::string& id) const {
     return anyrate::open_log(model.sealed_log, model.live_log);
 }
 
+std::optional<LogView> ModelStore::open_live_log(const std::string& id) const {
+    const ModelPaths model = paths(id);
+    return anyrate::open_live_log(model.sealed_log, model.live_log);
+}
+
 std::uint64_t ModelStore::free_bytes() const {
     return io([&] { return fs::space(data_).available; });
 }

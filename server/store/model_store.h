@@ -14,7 +14,7 @@ namespace anyrate {
 struct ModelPaths {
     std::filesystem::path folder;      ///< DATA/models/<id>
     std::filesystem::path capture;     ///< capture.zip, as it was uploaded
-    std::filesystem::path live_log;    ///< log.live, beside it log.live.idx, while a worker writes
+    std::filesystem::path live_log;    ///< log.live, beside it log.live.idx: what live clients follow
     std::filesystem::path sealed_log;  ///< model.arl, once the model is done
     std::filesystem::path lock;        ///< held by the worker that writes
 };
@@ -44,6 +44,7 @@ public:
     void remove_leftovers(const std::function<bool(const std::string& id)>& is_known);
 
     std::optional<LogView> open_log(const std::string& id) const;
+    std::optional<LogView> open_live_log(const std::string& id) const;
     /// Bytes a program may still write on this disk. @throws IoError
     std::uint64_t free_bytes() const;
 

@@ -1,9 +1,9 @@
 // Writes the golden files of the stream into a folder: make_golden FOLDER
 //   octahedron.arl        live form, the worked example of proto/FORMAT.md
-//   icosphere.arl         sealed form, some hundred splits with colours
+//   icosphere.arl         sealed form, some hundred splits with colours, the frames of the live form as they are
+//   icosphere-packed.arl  the same refinements in packets of up to 128 splits
 //   icosphere.json        for a list of vertex budgets: vertices, faces, state hash and the CRC-32C of positions,
-//   triangles and
-//                         colours that every reader must find
+//                         triangles and colours that every reader must find in both
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -55,8 +55,9 @@ void make_golden(const std::string& folder) {
     write_file(folder + "/octahedron.arl", samples::octahedron_log().live);
 
     const samples::SampleLog sample = samples::icosphere_log();
-    const std::vector<std::byte> sealed = seal_log(sample.live, sample.rows);
+    const std::vector<std::byte> sealed = seal_log(sample.live, sample.rows, {.splits_per_packet = 0});
     write_file(folder + "/icosphere.arl", sealed);
+    write_file(folder + "/icosphere-packed.arl", seal_log(sample.live, sample.rows, {.splits_per_packet = 128}));
     std::string json;
     for (const std::uint32_t budget :
          {42u, 44u, 45u, 100u, 101u, 102u, 103u, 250u, 333u, 500u, 777u, 1000u, 1000000u}) {

@@ -31,7 +31,7 @@ function colourPacket(luma: number[], chroma: number[]): Uint8Array {
 }
 
 test("Draco: the packet of the worked example holds the records that FORMAT.md lists", () => {
-    assert.deepEqual(decodeRefine(refinePayload, 2, noPreviousFace, draco), {
+    assert.deepEqual(decodeRefine(refinePayload, 2, noPreviousFace, 8, draco), {
         faces: Int32Array.of(0, 6),
         residuals: Int32Array.of(9, 6, 9, 7, 8, 6),
         updates: Int32Array.of(10, 3, 3, 0, 6, 0, 0, 3, 2, -1, 0, 0),
@@ -87,12 +87,24 @@ test("Draco: a payload that exhausts its memory stops that decoder for good, and
 });
 
 test("Refine packet: faces ascend from the gaps, and go on from the packet before", () => {
-    assert.deepEqual([...decodeRefine(refinePacket([0, 0, 5, 1000]), 4, noPreviousFace, draco).faces], [0, 1, 7, 1008]);
-    assert.deepEqual([...decodeRefine(refinePacket([0, 3]), 2, 1008, draco).faces], [1009, 1013]);
+    const facesOf = (gaps: number[], previousFace: number) =>
+        [...decodeRefine(refinePacket(gaps), gaps.length, previousFace, 2000, draco).faces];
+    assert.deepEqual(facesOf([0, 0, 5, 1000], noPreviousFace), [0, 1, 7, 1008]);
+    assert.deepEqual(facesOf([0, 3], 1008), [1009, 1013]);
 });
 
-test("Refine packet: a face beyond every log is refused", () => {
-    assert.throws(() => decodeRefine(refinePacket([2 ** 26 - 1, 0]), 2, noPreviousFace, draco), /beyond every log/);
+test("Refine packet: a gap that leads beyond the faces that are there goes on from the first one", () => {
+    // 20 faces, then 26, then 32: 15 + 1 + 12 = 28 is face 2 of the 26.
+    assert.deepEqual([...decodeRefine(refinePacket([15, 12, 0]), 3, noPreviousFace, 20, draco).faces], [15, 2, 3]);
+    assert.deepEqual([...decodeRefine(refinePacket([19, 25]), 2, noPreviousFace, 20, draco).faces], [19, 19]);
+});
+
+test("Refine packet: a gap that leads twice beyond the faces that are there is refused", () => {
+    assert.throws(
+        () => decodeRefine(refinePacket([0, 51]), 2, noPreviousFace, 20, draco),
+        /record 1 names a face beyond the 26 that are there/,
+    );
+    assert.throws(() => decodeRefine(refinePacket([2 ** 26 - 1]), 1, noPreviousFace, 20, draco), /beyond the 20/);
 });
 
 test("Colour packet: residuals reach to 511 and no further", () => {

@@ -3,38 +3,44 @@ import test from "node:test";
 
 import { decodeLog, FrameType, ModelDecoder, prefixFor, readLayout } from "../src/client/index.js";
 import { triplesOfFormat } from "./format-text.js";
-import { draco, found, icosphere, icosphereExpectations, octahedron } from "./golden.js";
+import { draco, found, icosphere, icosphereExpectations, icospherePacked, octahedron } from "./golden.js";
 
 test("Golden: every budget gives the mesh, the colours and the hash that C++ recorded", () => {
     assert.ok(icosphereExpectations.length > 10);
     for (const expected of icosphereExpectations) {
-        const { mesh } = decodeLog(icosphere, draco, { vertices: expected.budget });
-        assert.deepEqual(found(expected.budget, mesh), expected);
+        for (const log of [icosphere, icospherePacked]) {
+            const { mesh } = decodeLog(log, draco, { vertices: expected.budget });
+            assert.deepEqual(found(expected.budget, mesh), expected);
+        }
     }
 });
 
 test("Golden: a budget that is raised step by step gives the same as one that is set at once", () => {
-    const decoder = new ModelDecoder(draco);
-    decoder.setMaxVertices(icosphereExpectations[0].budget);
-    decoder.feed(icosphere);
-    for (const expected of icosphereExpectations) {
-        decoder.setMaxVertices(expected.budget);
-        assert.deepEqual(found(expected.budget, decoder.mesh!), expected);
+    for (const log of [icosphere, icospherePacked]) {
+        const decoder = new ModelDecoder(draco);
+        decoder.setMaxVertices(icosphereExpectations[0].budget);
+        decoder.feed(log);
+        for (const expected of icosphereExpectations) {
+            decoder.setMaxVertices(expected.budget);
+            assert.deepEqual(found(expected.budget, decoder.mesh!), expected);
+        }
     }
 });
 
 test("Golden: the prefix that the index names is all that a vertex budget needs", () => {
-    const { index, framesBegin } = readLayout(icosphere);
-    for (const expected of icosphereExpectations) {
-        const decoder = new ModelDecoder(draco);
-        decoder.setMaxVertices(expected.budget);
-        decoder.feed(icosphere.subarray(0, prefixFor({ vertices: expected.budget }, index, framesBegin).nBytes));
-        assert.deepEqual(found(expected.budget, decoder.mesh!), expected);
+    for (const log of [icosphere, icospherePacked]) {
+        const { index, framesBegin } = readLayout(log);
+        for (const expected of icosphereExpectations) {
+            const decoder = new ModelDecoder(draco);
+            decoder.setMaxVertices(expected.budget);
+            decoder.feed(log.subarray(0, prefixFor({ vertices: expected.budget }, index, framesBegin).nBytes));
+            assert.deepEqual(found(expected.budget, decoder.mesh!), expected);
+        }
     }
 });
 
 test("Golden: bytes that come one by one give the same mesh, and every frame's hash is passed on the way", () => {
-    for (const log of [octahedron, icosphere]) {
+    for (const log of [octahedron, icosphere, icospherePacked]) {
         const decoder = new ModelDecoder(draco);
         const frames = Array.from(log, (_, i) => decoder.feed(log.subarray(i, i + 1))).flat();
         assert.deepEqual(frames.map((frame) => frame.end), readLayout(log).frames.map((frame) => frame.end));
@@ -45,7 +51,7 @@ test("Golden: bytes that come one by one give the same mesh, and every frame's h
 });
 
 test("Golden: the state after every frame has the hash that the frame states", () => {
-    for (const log of [octahedron, icosphere]) {
+    for (const log of [octahedron, icosphere, icospherePacked]) {
         const decoder = new ModelDecoder(draco);
         let fed = 0;
         for (const frame of readLayout(log).frames) {

@@ -16,7 +16,10 @@ export const octahedron = readGolden("octahedron.arl");
 /** Sealed form, some hundred splits with colours. */
 export const icosphere = readGolden("icosphere.arl");
 
-/** What every reader must find at a vertex budget in icosphere.arl. */
+/** The same refinements in packets of several batches. */
+export const icospherePacked = readGolden("icosphere-packed.arl");
+
+/** What every reader must find at a vertex budget in both. */
 export interface Expectation {
     readonly budget: number;
     readonly vertices: number;

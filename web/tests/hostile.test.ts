@@ -6,7 +6,7 @@ import test from "node:test";
 import { frameHeaderSize, hasIndexRow } from "../src/client/frame.js";
 import { DecodeError, decodeLog, FrameType, loadDraco3d, ModelDecoder, readLayout } from "../src/client/index.js";
 import type { DecodedLog, DracoDecoder } from "../src/client/index.js";
-import { concatenated, draco, found, icosphere, octahedron, rewritten } from "./golden.js";
+import { concatenated, draco, found, icosphere, icospherePacked, octahedron, rewritten } from "./golden.js";
 
 /** The mesh of a log; undefined if it was refused as it should be. */
 function decodedOrRefused(log: Uint8Array, decoder: DracoDecoder = draco): DecodedLog | undefined {
@@ -39,10 +39,14 @@ test("Hostile bytes: the octahedron cut anywhere is refused or decodes to its la
     for (let nBytes = 0; nBytes <= octahedron.length; ++nBytes) checkCut(octahedron, nBytes);
 });
 
-test("Hostile bytes: the icosphere cut anywhere is refused or known to be cut behind its whole frames", () => {
-    const { frames, header } = readLayout(icosphere);
-    for (let nBytes = 0; nBytes < icosphere.length; ++nBytes) {
-        const cut = icosphere.subarray(0, nBytes);
+test("Hostile bytes: an icosphere cut anywhere is refused or known to be cut behind its whole frames", () => {
+    for (const log of [icosphere, icospherePacked]) checkEveryCut(log);
+});
+
+function checkEveryCut(log: Uint8Array): void {
+    const { frames, header } = readLayout(log);
+    for (let nBytes = 0; nBytes < log.length; ++nBytes) {
+        const cut = log.subarray(0, nBytes);
         if (nBytes < header.headerBytes) {
             assert.throws(() => readLayout(cut), DecodeError);
             continue;
@@ -52,12 +56,14 @@ test("Hostile bytes: the icosphere cut anywhere is refused or known to be cut be
         assert.equal(layout.cut !== undefined, layout.wholeBytes < nBytes);
         assert.equal(layout.ended, false);
     }
-});
+}
 
-test("Hostile bytes: the icosphere cut at and around its last frames decodes to its last whole frame", () => {
-    const ends = readLayout(icosphere).frames.map((frame) => frame.end);
-    for (const end of ends.slice(-20)) {
-        for (const nBytes of [end - 1, end, end + 27]) checkCut(icosphere, Math.min(nBytes, icosphere.length));
+test("Hostile bytes: an icosphere cut at and around its last frames decodes to its last whole frame", () => {
+    for (const log of [icosphere, icospherePacked]) {
+        const ends = readLayout(log).frames.map((frame) => frame.end);
+        for (const end of ends.slice(-20)) {
+            for (const nBytes of [end - 1, end, end + 27]) checkCut(log, Math.min(nBytes, log.length));
+        }
     }
 });
 
@@ -86,17 +92,19 @@ test("Hostile bytes: no flipped bit of the octahedron goes unnoticed", () => {
     assert.ok(refused > 8 * octahedron.length * 0.95);
 });
 
-test("Hostile bytes: no flipped bit of the icosphere goes unnoticed by its framing", () => {
-    const damaged = icosphere.slice();
-    for (let bit = 0; bit < 8 * icosphere.length; ++bit) {
-        damaged[bit >> 3] ^= 1 << (bit & 7);
-        try {
-            const layout = readLayout(damaged); // decodeLog() starts with it
-            assert.ok(layout.cut !== undefined, `bit ${bit}`);
-        } catch (error) {
-            assert.ok(error instanceof DecodeError, `bit ${bit}: ${String(error)}`);
+test("Hostile bytes: no flipped bit of an icosphere goes unnoticed by its framing", () => {
+    for (const log of [icosphere, icospherePacked]) {
+        const damaged = log.slice();
+        for (let bit = 0; bit < 8 * log.length; ++bit) {
+            damaged[bit >> 3] ^= 1 << (bit & 7);
+            try {
+                const layout = readLayout(damaged); // decodeLog() starts with it
+                assert.ok(layout.cut !== undefined, `bit ${bit}`);
+            } catch (error) {
+                assert.ok(error instanceof DecodeError, `bit ${bit}: ${String(error)}`);
+            }
+            damaged[bit >> 3] ^= 1 << (bit & 7);
         }
-        damaged[bit >> 3] ^= 1 << (bit & 7);
     }
 });
 
@@ -147,7 +155,7 @@ function stateAfter(log: Uint8Array, piece: number): unknown {
 
 test("Hostile bytes: a changed byte anywhere under sound checksums ends alike, fed at once or in pieces", () => {
     const random = pseudorandom(2);
-    for (const [log, times] of [[octahedron, 500], [icosphere, 100]] as const) {
+    for (const [log, times] of [[octahedron, 500], [icosphere, 100], [icospherePacked, 100]] as const) {
         for (let i = 0; i < times; ++i) {
             const [at, change] = [random(log.length), 1 + random(255)];
             const hostile = rewritten(log, (bytes) => (bytes[at] ^= change));
@@ -175,5 +183,13 @@ test("Hostile bytes: bytes behind the end are refused", () => {
 test("Hostile bytes: what is no log is refused", () => {
     for (const bytes of [new Uint8Array(0), new Uint8Array(1000), new TextEncoder().encode("<!DOCTYPE html>")]) {
         assert.throws(() => decodeLog(bytes, draco), /header: expected the magic bytes/);
+    }
+});
+
+test("Hostile bytes: a base that claims many vertices or faces is refused before they are allocated", () => {
+    for (const [offset, count] of [[64, 2 ** 24], [68, 2 ** 25]] as const) {
+        const upToBase = octahedron.subarray(0, 0xbe);
+        const hostile = rewritten(upToBase, (_, view) => view.setUint32(offset, count, true));
+        assert.throws(() => decodeLog(hostile, draco), /base: 66 bytes cannot hold/);
     }
 });

@@ -14,14 +14,16 @@ ANYRATE = os.environ.get("ANYRATE") or str(pathlib.Path(__file__).resolve().pare
 N_COARSE, N_VERTICES = 600, 1500
 
 
-def anyrate(*arguments):
-    """Runs `anyrate ARGUMENTS`; the result has returncode, stdout and stderr (text)."""
-    return subprocess.run([ANYRATE, *map(str, arguments)], capture_output=True, text=True, timeout=600)
+def anyrate(*arguments, stdin=b""):
+    """Runs `anyrate ARGUMENTS` on these input bytes; the result has returncode, stdout and stderr (text)."""
+    done = subprocess.run([ANYRATE, *map(str, arguments)], input=stdin, capture_output=True, timeout=600)
+    done.stdout, done.stderr = done.stdout.decode(), done.stderr.decode()
+    return done
 
 
-def must(*arguments):
+def must(*arguments, stdin=b""):
     """The same, but it has to succeed."""
-    done = anyrate(*arguments)
+    done = anyrate(*arguments, stdin=stdin)
     if done.returncode != 0:
         raise AssertionError(f"anyrate {' '.join(map(str, arguments))}: exit {done.returncode}\n{done.stderr}")
     return done
@@ -62,14 +64,14 @@ def model():
 
 
 def read_ply(file):
-    """(positions, triangles) of a binary PLY of float positions, uchar colours and triangles."""
+    """(positions, triangles) of a binary PLY of float positions and normals, uchar colours and triangles."""
     data = pathlib.Path(file).read_bytes()
     header, body = data.split(b"end_header\n", 1)
     lines = header.decode().splitlines()
     assert "format binary_little_endian 1.0" in lines, lines
     n_vertices = next(int(line.split()[2]) for line in lines if line.startswith("element vertex"))
     n_faces = next(int(line.split()[2]) for line in lines if line.startswith("element face"))
-    vertex = struct.Struct("<3f" + "B" * sum(line.startswith("property uchar") for line in lines))
+    vertex = struct.Struct("<6f" + "B" * sum(line.startswith("property uchar") for line in lines))
     face = struct.Struct("<B3i")
     assert len(body) == vertex.size * n_vertices + face.size * n_faces, "the body has another size than the header says"
     positions = [v[:3] for v in vertex.iter_unpack(body[: vertex.size * n_vertices])]

@@ -28,6 +28,14 @@ class Usage(unittest.TestCase):
     def test_an_unknown_mesh_format(self):
         self.assert_wrong("decode", "model.arl", "-o", "mesh.stl")
 
+    def test_compression_of_what_is_no_glb(self):
+        self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", "--draco")
+
+    def test_a_budget_of_zero(self):
+        for option in ("--vertices", "--bytes"):
+            self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", option, 0)
+        self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", "--distortion", -1)
+
     def test_an_unknown_method(self):
         self.assert_wrong("reconstruct", "capture", "-o", "model.arl", "--method", "magic")
 

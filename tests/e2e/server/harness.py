@@ -87,6 +87,10 @@ class Server:
     def sealed(self, model_id):
         return self.data / "models" / model_id / "model.arl"
 
+    def live(self, model_id):
+        """The log that live clients follow, also once the model is sealed."""
+        return self.data / "models" / model_id / "log.live"
+
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
         self.process.wait(PATIENCE)

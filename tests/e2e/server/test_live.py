@@ -10,18 +10,18 @@ HEADER_BYTES = 96
 LONG_JOB = "?vertices=8000&coarse=600"
 
 
-def live_form(sealed, index):
-    """Frames of a sealed log, from the base on (the header differs in its sealed flag)."""
-    return sealed[index["frames_begin"]:]
-
-
 class Live(ServerTest):
-    def index(self, model_id):
-        return json.loads(self.server.request("GET", f"/v1/models/{model_id}/index",
+    def live_index(self, model_id):
+        return json.loads(self.server.request("GET", f"/v1/models/{model_id}/index?form=live",
                                               headers={"Accept": "application/json"})[2])
 
+    def live_rows(self, model_id):
+        """One for each frame that live clients get."""
+        return self.live_index(model_id)["rows"]
+
     def frames_of(self, model_id):
-        return live_form(self.server.sealed(model_id).read_bytes(), self.index(model_id))
+        """Frames of the live log, from the base on."""
+        return self.server.live(model_id).read_bytes()[HEADER_BYTES:]
 
     def test_a_client_that_joins_in_the_middle_ends_with_the_same_model(self):
         model_id = self.make_model(LONG_JOB)
@@ -50,7 +50,7 @@ class Live(ServerTest):
         websocket.close()
         self.assertEqual((log[HEADER_BYTES:], code), (self.frames_of(model_id), 1000))
         ids = [text["log_id"] for text in texts if text["type"] == "hello"]
-        self.assertEqual((ids[-1], len(set(ids))), (self.index(model_id)["log_id"], len(ids)))
+        self.assertEqual((ids[-1], len(set(ids))), (self.live_index(model_id)["log_id"], len(ids)))
 
     def test_a_preview_is_there_before_the_model_and_gives_way_to_it(self):
         model_id = self.make_model()
@@ -70,7 +70,7 @@ class Live(ServerTest):
 
     def test_resume_goes_on_at_any_frame(self):
         model_id = self.make_finished_model()
-        rows = self.index(model_id)["rows"]
+        rows = self.live_rows(model_id)
         frames = self.frames_of(model_id)
         for sequence in range(1, len(rows) + 1):
             with self.subTest(sequence=sequence):
@@ -82,11 +82,47 @@ class Live(ServerTest):
 
     def test_a_budget_ends_the_stream_at_its_prefix(self):
         model_id = self.make_finished_model()
-        prefix = self.server.request("GET", f"/v1/models/{model_id}/log?vertices=1200")[2]
+        enough = next(row for row in self.live_rows(model_id) if row["vertices"] >= 1198)
+        end = max(row["end"] for row in self.live_rows(model_id) if row["vertices"] == enough["vertices"])
         websocket = WebSocket(self.server, f"/v1/models/{model_id}/live?vertices=1200")
         _, log, code = websocket.read_to_end()
         websocket.close()
-        self.assertEqual((log[HEADER_BYTES:], code), (live_form(prefix, self.index(model_id)), 1000))
+        self.assertEqual((log[HEADER_BYTES:], code), (self.frames_of(model_id)[:end], 1000))
+
+    def test_a_client_cut_off_before_the_model_is_sealed_resumes_after_it(self):
+        model_id = self.make_model()
+        self.server.wait_for(model_id, lambda model: model["curve"])  # what comes before is a preview
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        log = b""
+        while len(log) <= HEADER_BYTES:
+            kind, payload = websocket.read()
+            log += payload if kind == "binary" else b""
+        websocket.close()
+        self.assertEqual(self.server.wait_until_final(model_id)["state"], "done")
+        rows = self.live_rows(model_id)
+        n_received = sum(HEADER_BYTES + row["end"] <= len(log) for row in rows)
+        websocket = WebSocket(self.server, f"/v1/models/{model_id}/live?from={n_received}")
+        _, rest, code = websocket.read_to_end()
+        websocket.close()
+        self.assertEqual(code, 1000)
+        whole = self.folder / "whole.arl"
+        whole.write_bytes(log + rest)
+        run("verify", whole)
+        self.assertEqual((log + rest)[HEADER_BYTES:], self.frames_of(model_id))
+
+    def test_a_budget_of_a_growing_model_takes_its_side_index_and_one_range(self):
+        model_id = self.make_model("?vertices=100000&coarse=2500")
+        self.server.wait_for(model_id, lambda model: len(model["curve"]) >= 3)
+        part = self.folder / "part.arl"
+        run("fetch", self.url(model_id), "-o", part, "--vertices", 2700, "--trace", self.folder / "trace.json")
+        requests = json.loads((self.folder / "trace.json").read_text())["requests"]
+        path = f"/v1/models/{model_id}"
+        self.assertEqual([request["target"] for request in requests],
+                         [path + "/log", path + "/index?form=live", path + "/log"])
+        self.assertEqual([request["range"] for request in requests],
+                         ["bytes=0-8191", "", f"bytes=8192-{part.stat().st_size - 1}"])
+        self.assertEqual(part.read_bytes(), self.server.live(model_id).read_bytes()[:part.stat().st_size])
+        run("verify", part)
 
     def test_a_paused_client_gets_nothing_until_it_goes_on(self):
         model_id = self.make_model(LONG_JOB)

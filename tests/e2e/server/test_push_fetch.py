@@ -86,8 +86,14 @@ class PushFetch(ServerTest):
             run("fetch", f"{proxy.url}/v1/models/{model_id}", "-o", self.folder / "counted.arl", "--vertices", 1500,
                 "--trace", self.folder / "trace.json")
             self.assertEqual(proxy.bodies(), [8192, len(part) - 8192] if len(part) > 8192 else [8192])
-            frames = json.loads((self.folder / "trace.json").read_text())["frames"]
-            self.assertEqual(frames[-1]["bytes"], len(part))
+            trace = json.loads((self.folder / "trace.json").read_text())
+            self.assertEqual(trace["frames"][-1]["bytes"], len(part))
+            self.check_requests(trace, f"/v1/models/{model_id}/log", len(part))
+            for budget in (["--bytes", 9000], ["--distortion", 1e9], ["--vertices", 800]):
+                run("fetch", self.url(model_id), "-o", self.folder / "traced.arl", *budget,
+                    "--trace", self.folder / "trace.json")
+                self.check_requests(json.loads((self.folder / "trace.json").read_text()), f"/v1/models/{model_id}/log",
+                                    (self.folder / "traced.arl").stat().st_size)
 
         with self.subTest("prefixes by query are those that fetch takes"):
             status, headers, body = self.server.request("GET", f"/v1/models/{model_id}/log?vertices=1500")
@@ -101,6 +107,13 @@ class PushFetch(ServerTest):
 
         self.check_ranges(model_id, log)
         self.check_index(model_id, log)
+
+    def check_requests(self, trace, target, n_bytes):
+        """One request of 8 KB, and one for exactly the rest of a prefix of so many bytes."""
+        expected = [{"target": target, "range": "bytes=0-8191", "bytes": 8192}]
+        if n_bytes > 8192:
+            expected.append({"target": target, "range": f"bytes=8192-{n_bytes - 1}", "bytes": n_bytes - 8192})
+        self.assertEqual(trace["requests"], expected)
 
     def check_ranges(self, model_id, log):
         target = f"/v1/models/{model_id}/log"

@@ -1,15 +1,17 @@
 // Any bytes as a whole log. Checksums are made right first, or hardly any input would get past them; then the log is
-// fed at once and byte by byte, which must come to the same.
+// fed at once and byte by byte, which must come to the same, and sealed.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/error.h"
 #include "proto/bytes.h"
 #include "proto/crc32c.h"
 #include "proto/log_reader.h"
+#include "proto/log_writer.h"
 
 namespace {
 
@@ -39,16 +41,40 @@ void make_checksums_right(std::vector<std::byte>& log) {
     }
 }
 
-/// State hash at the end of the input, or where it was refused.
-std::optional<std::uint32_t> hash_after(std::span<const std::byte> log, std::size_t piece) {
+struct Outcome {
+    std::optional<std::uint32_t> state_hash;  ///< at the end of the input, or where it was refused
+    bool refused = false;
+    friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+/// Decodes a log that is fed in pieces of so many bytes.
+Outcome decoded(std::span<const std::byte> log, std::size_t piece) {
     ModelDecoder decoder;
     decoder.set_max_vertices(largest_mesh);
+    Outcome outcome;
     try {
         for (std::size_t i = 0; i < log.size(); i += piece)
             decoder.feed(log.subspan(i, std::min(piece, log.size() - i)));
     } catch (const DecodeError&) {
+        outcome.refused = true;
     }
-    return decoder.state() ? std::optional(decoder.state()->state_hash()) : std::nullopt;
+    if (decoder.state()) outcome.state_hash = decoder.state()->state_hash();
+    return outcome;
+}
+
+/// What can be decoded can be sealed, in packets of any size, and is the same model then.
+void check_sealed(std::span<const std::byte> log, const Outcome& live) {
+    for (const std::uint32_t splits_per_packet : {0u, 3u, 512u}) {
+        std::vector<std::byte> sealed;
+        try {
+            sealed = seal_log(log, {}, {.splits_per_packet = splits_per_packet});
+        } catch (const InputError&) {
+            return;
+        }
+        if (live.refused) return;
+        if (decoded(sealed, sealed.size()) != live) __builtin_trap();
+        read_layout(sealed);
+    }
 }
 
 }  // namespace
@@ -57,10 +83,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto input = std::as_bytes(std::span(data, size));
     std::vector<std::byte> log(input.begin(), input.end());
     make_checksums_right(log);
-    if (hash_after(log, std::max<std::size_t>(log.size(), 1)) != hash_after(log, 1)) __builtin_trap();
+    const Outcome outcome = decoded(log, std::max<std::size_t>(log.size(), 1));
+    if (decoded(log, 1) != outcome) __builtin_trap();
     try {
         read_layout(log);
     } catch (const DecodeError&) {
     }
+    check_sealed(log, outcome);
     return 0;
 }

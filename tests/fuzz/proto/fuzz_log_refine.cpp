@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         ByteReader in(std::as_bytes(std::span(data, size)), "input");
         const auto n_splits = in.take<std::uint16_t>();
-        const auto records = decode_refine(in.take_bytes(in.remaining()), n_splits, no_previous_face);
+        const auto records = decode_refine(in.take_bytes(in.remaining()), n_splits, no_previous_face, 8);
         Grid grid;
         grid.bits = 10;
         RefinableMesh mesh(octahedron, grid, {});

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "core/error.h"
+#include "core/mesh/normals.h"
 #include "core/simulation/parametric_meshes.h"
 #include "shapes.h"
 
@@ -87,6 +90,23 @@ TEST_CASE("PLY: positions come back as floats, triangles and colours unchanged")
         CHECK(back.vertices[v] == mesh.vertices[v].cast<float>().cast<double>());
 }
 
+TEST_CASE("PLY: the header declares positions, normals and colours, and the body has them in this order") {
+    const Mesh mesh = coloured_sphere();
+    const std::vector<std::byte> file = encode_mesh_file(mesh, MeshFormat::ply);
+    const std::string text(reinterpret_cast<const char*>(file.data()), file.size());
+    CHECK(
+        text.find("property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\n") !=
+        std::string::npos);
+    const std::size_t body = text.find("end_header\n") + 11;
+    REQUIRE(file.size() == body + 27 * mesh.vertices.size() + 13 * mesh.triangles.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        Eigen::Vector3f n;
+        std::memcpy(n.data(), file.data() + body + 27 * v + 12, sizeof n);
+        CHECK(n.norm() == doctest::Approx(1).epsilon(1e-6));
+        CHECK(n.dot(mesh.vertices[v].normalized().cast<float>()) > 0.99F);
+    }
+}
+
 TEST_CASE("PLY: far from the origin positions are doubles and come back unchanged") {
     const Mesh mesh = shapes::translated(icosphere(1, 0.7), {4.5e6, 5.1e5, -120});
     const Mesh back = decode_mesh_file(encode_mesh_file(mesh, MeshFormat::ply), MeshFormat::ply, "far.ply");
@@ -122,8 +142,8 @@ TEST_CASE("PLY: both byte orders give the same mesh") {
     const std::vector<std::byte> little = encode_mesh_file(mesh, MeshFormat::ply);
     std::string text(reinterpret_cast<const char*>(little.data()), little.size());
     std::size_t at = text.find("end_header\n") + 11;
-    for (int v = 0; v < mesh.n_vertices(); ++v, at += 15)
-        for (int i = 0; i < 3; ++i) std::reverse(text.begin() + at + 4 * i, text.begin() + at + 4 * i + 4);
+    for (int v = 0; v < mesh.n_vertices(); ++v, at += 27)
+        for (int i = 0; i < 6; ++i) std::reverse(text.begin() + at + 4 * i, text.begin() + at + 4 * i + 4);
     for (int f = 0; f < mesh.n_faces(); ++f, at += 13)
         for (int i = 0; i < 3; ++i) std::reverse(text.begin() + at + 1 + 4 * i, text.begin() + at + 5 + 4 * i);
     text.replace(text.find("little"), 6, "big");
@@ -191,6 +211,41 @@ TEST_CASE("OBJ: what is no mesh is refused with the line it stands on") {
         CHECK_THROWS_AS(decode(text, MeshFormat::obj), InputError);
     CHECK_THROWS_WITH_AS(decode("v 0 0 0\nf 1 a 1\n", MeshFormat::obj), "test:2: expected a vertex number, got \"a\"",
                          InputError);
+}
+
+TEST_CASE("OBJ: every vertex has a unit normal, and corners name both") {
+    const Mesh mesh = shapes::tetrahedron();
+    const std::vector<std::byte> file = encode_mesh_file(mesh, MeshFormat::obj);
+    std::istringstream lines(std::string(reinterpret_cast<const char*>(file.data()), file.size()));
+    int n_normals = 0, n_faces = 0;
+    for (std::string line; std::getline(lines, line);) {
+        Vec3 n;
+        if (std::sscanf(line.c_str(), "vn %lf %lf %lf", &n[0], &n[1], &n[2]) == 3) {
+            CHECK(n.norm() == doctest::Approx(1).epsilon(1e-3));
+            ++n_normals;
+        }
+        Triangle v, t;
+        if (std::sscanf(line.c_str(), "f %d//%d %d//%d %d//%d", &v[0], &t[0], &v[1], &t[1], &v[2], &t[2]) == 6) {
+            CHECK(v == t);
+            ++n_faces;
+        }
+    }
+    CHECK(n_normals == 4);
+    CHECK(n_faces == 4);
+}
+
+TEST_CASE("Mesh files: where faces have no area, or one beyond all numbers, the normal is +z") {
+    Mesh mesh = shapes::tetrahedron();
+    for (const double size : {0.0, 1e-200, 1e200}) {
+        Mesh scaled = mesh;
+        for (Vec3& v : scaled.vertices) v *= size;
+        for (const Eigen::Vector3f& n : file_normals(scaled)) CHECK(n.norm() == doctest::Approx(1).epsilon(1e-6));
+    }
+    mesh.vertices.emplace_back(9, 9, 9);  // of no face
+    CHECK(file_normals(mesh)[4] == Eigen::Vector3f::UnitZ());
+    const Glb glb = parse_glb(encode_mesh_file(mesh, MeshFormat::glb));
+    const int normal = glb.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"];
+    CHECK(glb.number<float>(normal, 3 * 4 + 2) == 1);
 }
 
 TEST_CASE("GLB: accessors describe the mesh, bounds are exact, normals are radial on a sphere") {

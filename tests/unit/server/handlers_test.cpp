@@ -127,7 +127,7 @@ TEST_CASE("Log: ranges, conditions and caching of a sealed log") {
 TEST_CASE("Log: two budgets with different bytes have different tags") {
     Fixture f;
     const std::string log = "/v1/models/" + f.finished_model() + "/log";
-    CHECK(f.get(log, {{"vertices", "9"}}).headers.find("ETag") !=
+    CHECK(f.get(log, {{"vertices", "6"}}).headers.find("ETag") !=
           f.get(log, {{"vertices", "18"}}).headers.find("ETag"));
 }
 
@@ -138,6 +138,15 @@ TEST_CASE("Index: binary and JSON hold the same rows") {
     const auto json = nlohmann::json::parse(f.text(f.get(index, {}, {{"Accept", "application/json"}})));
     REQUIRE(json["rows"].size() == binary.rows.size());
     for (std::size_t i = 0; i < binary.rows.size(); ++i) CHECK(json["rows"][i]["end"] == binary.rows[i].end);
+}
+
+TEST_CASE("Index: of the live form on request, with the rows that live clients count") {
+    Fixture f;
+    const std::string index = "/v1/models/" + f.finished_model(3) + "/index";
+    const SideIndex live = decode_index(as_bytes(f.text(f.get(index, {{"form", "live"}}))));
+    CHECK(live.rows.size() == 2 * 4);  // base, three batches, their colours
+    CHECK(decode_index(as_bytes(f.text(f.get(index)))).rows.size() == 2 * 2);
+    CHECK(f.get(index, {{"form", "sealed"}}).status == 400);
 }
 
 TEST_CASE("Mesh: the file is the decoded mesh") {

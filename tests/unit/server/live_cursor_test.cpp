@@ -19,7 +19,7 @@ struct Logs {
     TemporaryFolder folder;
     std::filesystem::path live = folder.path() / "log.live", sealed = folder.path() / "model.arl";
 
-    LogView view() const { return open_log(sealed, live).value(); }
+    LogView view() const { return open_live_log(sealed, live).value(); }
 };
 
 std::vector<std::byte> drain(LiveCursor& cursor, const LogView& log, std::size_t message_bytes) {
@@ -30,6 +30,40 @@ std::vector<std::byte> drain(LiveCursor& cursor, const LogView& log, std::size_t
 }
 
 }  // namespace
+
+TEST_CASE("Live cursor: of a sealed model it counts the frames that it counted before") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    write_small_model(sink, 5);
+    LiveCursor before(0, UINT32_MAX);
+    before.hello(logs.view());
+    auto bytes = drain(before, logs.view(), 1);
+    CHECK_FALSE(before.is_complete(logs.view()));  // more might come
+    const std::size_t n_live_rows = logs.view().rows.size();
+    sink.seal(logs.sealed);
+    CHECK(open_log(logs.sealed, logs.live)->rows.size() < n_live_rows);  // packets were joined
+
+    LiveCursor again(before.next_sequence(), UINT32_MAX);
+    CHECK(again.hello(logs.view()).find("\"sealed\":true") != std::string::npos);
+    const auto rest = drain(again, logs.view(), 1);
+    CHECK(again.is_complete(logs.view()));
+    bytes.insert(bytes.end(), rest.begin(), rest.end());
+    CHECK(read_layout(bytes).ended);
+    CHECK(verify_log(bytes) == n_live_rows + 1);
+}
+
+TEST_CASE("Live cursor: without its live file a model is sent as its sealed form is packed") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    write_small_model(sink, 5);
+    sink.seal(logs.sealed);
+    std::filesystem::remove(logs.live);
+    LiveCursor cursor(0, UINT32_MAX);
+    cursor.hello(logs.view());
+    const auto bytes = drain(cursor, logs.view(), 16384);
+    CHECK_FALSE(read_layout(bytes).header.sealed);
+    CHECK(verify_log(bytes) == open_log(logs.sealed, logs.live)->rows.size() + 1);
+}
 
 TEST_CASE("Live cursor: a sealed log and one that is watched while it grows give the same bytes") {
     Logs logs;

@@ -30,7 +30,7 @@ TEST_CASE("Url: what is no http address is refused") {
 TEST_CASE("Fetch: a model's log and index stand below it, a file's index beside it") {
     const std::string model = "/v1/models/" + std::string(26, 'a');
     CHECK(log_target(model) == model + "/log");
-    CHECK(index_target(model + "/log") == model + "/index");
+    CHECK(index_target(model + "/log") == model + "/index?form=live");
     CHECK(log_target("/files/vessel.arl") == "/files/vessel.arl");
     CHECK(index_target("/files/vessel.arl") == "/files/vessel.arl.idx");
 }

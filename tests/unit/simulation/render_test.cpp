@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/mesh/normals.h"
 #include "core/simulation/ring_cameras.h"
 #include "core/simulation/visible_surface.h"
 #include "tests/scenes.h"

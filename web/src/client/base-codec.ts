@@ -2,7 +2,7 @@ import { DecodeError } from "./decode-error.js";
 import type { DracoDecoder } from "./draco.js";
 import type { Header } from "./header.js";
 import type { IntegerMesh } from "./integer-mesh.js";
-import { maxBaseVerticesPerByte } from "./limits.js";
+import { maxBaseFacesPerByte, maxBaseVerticesPerByte } from "./limits.js";
 
 /**
  * The coarse mesh of a base frame, in grid units (proto/FORMAT.md, "Payloads"). Whether it is closed is for
@@ -11,8 +11,9 @@ import { maxBaseVerticesPerByte } from "./limits.js";
  */
 export function decodeBase(payload: Uint8Array, header: Header, draco: DracoDecoder): IntegerMesh {
     const { nBaseVertices, nBaseFaces, grid } = header;
-    if (nBaseVertices > maxBaseVerticesPerByte * payload.length) {
-        throw new DecodeError(`base: ${payload.length} bytes cannot hold ${nBaseVertices} vertices`);
+    const nBytes = payload.length;
+    if (nBaseVertices > maxBaseVerticesPerByte * nBytes || nBaseFaces > maxBaseFacesPerByte * nBytes) {
+        throw new DecodeError(`base: ${nBytes} bytes cannot hold ${nBaseVertices} vertices and ${nBaseFaces} faces`);
     }
     const base = draco.decodeMesh(payload, nBaseVertices, nBaseFaces);
     const limit = 2 ** (grid.bits - grid.baseShift);

@@ -9,6 +9,7 @@ export const maxSplitsPerFrame = 2048;
 export const maxValence = 64;
 /** What a base payload can ask for: even a regular sphere takes more than a bit a vertex. */
 export const maxBaseVerticesPerByte = 64;
+export const maxBaseFacesPerByte = 128;
 /** Of every integer that Draco gives back. */
 export const maxDracoMagnitude = 2 ** 25;
 /** Of a colour residual: no two chroma values differ by more. */

@@ -194,7 +194,7 @@ export class ProgressiveMesh {
     private decodeRecords({ frame, payload }: Waiting<SplitRecords>): SplitRecords {
         const startsBatch = (frame.flags & flagNewBatch) !== 0;
         const previousFace = startsBatch ? noPreviousFace : this.previousFace;
-        const records = decodeRefine(payload, frame.nSplits, previousFace, this.draco);
+        const records = decodeRefine(payload, frame.nSplits, previousFace, this.mesh.nFaces, this.draco);
         this.previousFace = records.faces[frame.nSplits - 1];
         return records;
     }

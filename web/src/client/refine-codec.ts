@@ -1,22 +1,23 @@
 import { DecodeError } from "./decode-error.js";
 import type { DracoDecoder } from "./draco.js";
-import { maxLogVertices } from "./limits.js";
 import type { SplitRecords } from "./refinable-mesh.js";
 
 /** What the face gaps of a batch start from. */
 export const noPreviousFace = -1;
 
-const maxFaces = 4 * maxLogVertices;
+const facesPerSplit = 6;
 
 /**
  * The payload of a refine frame (proto/FORMAT.md, "Payloads").
- * @param previousFace last face of the batch's packet before; noPreviousFace if the batch starts here
- * @throws DecodeError if the payload is not such a packet of exactly nSplits records
+ * @param previousFace last face of the packet before; noPreviousFace if a batch starts here
+ * @param nFaces of the mesh before the first record
+ * @throws DecodeError if the payload is not such a packet of exactly nSplits records of faces that are there at their turn
  */
 export function decodeRefine(
     payload: Uint8Array,
     nSplits: number,
     previousFace: number,
+    nFaces: number,
     draco: DracoDecoder,
 ): SplitRecords {
     const [gaps, residuals, updates] = draco.decodePointCloud(payload, nSplits, [1, 3, 6]) as [
@@ -25,9 +26,13 @@ export function decodeRefine(
         Int32Array,
     ];
     let face = previousFace;
-    const faces = gaps.map((symbol) => {
+    const faces = gaps.map((symbol, i) => {
+        const nFacesNow = nFaces + facesPerSplit * i;
         face += unfolded(symbol) + 1;
-        if (face >= maxFaces) throw new DecodeError(`refine packet: face ${face} is beyond every log`);
+        if (face >= nFacesNow) face -= nFacesNow; // the next batch starts inside the packet
+        if (face >= nFacesNow) {
+            throw new DecodeError(`refine packet: record ${i} names a face beyond the ${nFacesNow} that are there`);
+        }
         return face;
     });
     return { faces, residuals, updates };
