@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "core/reconstruction/batch_selection.h"
-#include "core/reconstruction/emit_batch.h"
+#include "core/progressive/batch_selection.h"
+#include "core/progressive/emit_batch.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/vertex_colours.h"
 

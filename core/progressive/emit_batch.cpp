@@ -1,4 +1,4 @@
-#include "core/reconstruction/emit_batch.h"
+#include "core/progressive/emit_batch.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "core/reconstruction/emit_batch.h"
+#include "core/progressive/emit_batch.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/simulation/parametric_meshes.h"
-#include "grid_scenes.h"
+#include "tests/grid_scenes.h"
 
 using namespace anyrate;
 
