@@ -56,7 +56,8 @@ TEST_CASE("Normal fit: the vertices of a coarse sphere that fits a fine one best
     std::iota(all.begin(), all.end(), 0);
     fit_along_normals(mesh, all, meter, {.rounds = 3});
     for (const Vec3& v : mesh.vertices) CHECK(v.norm() > 1.0);
-    // Of an arc of sagitta s above its chord the mean square is 8/15 s^2, about the best parallel chord 4/45 s^2, a sixth.
+    // Of an arc of sagitta s above its chord the mean square is 8/15 s^2, about the best parallel chord 4/45 s^2, a
+    // sixth.
     CHECK(total(mesh, surface).squared < inscribed.squared / 4);
 }
 

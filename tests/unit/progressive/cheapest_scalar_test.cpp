@@ -2,15 +2,16 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
-#include <cstdlib>
 #include <initializer_list>
 
 using namespace anyrate;
 
 TEST_CASE("Cheapest scalar: where bits are nearly free it is the nearest") {
-    for (double steps = -7.9; steps < 8; steps += 0.7)
-        for (const bool is_new : {false, true}) CHECK(cheapest_scalar(steps, 1.0, 1e-9, is_new) == std::lround(steps));
+    for (std::int32_t nearest = -8; nearest <= 8; ++nearest)
+        for (const bool is_new : {false, true}) {
+            CHECK(cheapest_scalar(nearest + 0.3, 1.0, 1e-9, is_new) == nearest);
+            CHECK(cheapest_scalar(nearest - 0.3, 1.0, 1e-9, is_new) == nearest);
+        }
 }
 
 TEST_CASE("Cheapest scalar: the dearer the bits, the smaller it is, down to 0") {
