@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
     anyrate::add_worker(app, command);
     anyrate::add_push(app, command);
     anyrate::add_fetch(app, command);
+    anyrate::add_encode_mesh(app, command);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -16,10 +16,12 @@ ARROWS = {
     "core/mesh": ["core"],
     "core/simulation": ["core", "core/capture", "core/mesh"],
     "core/progressive": ["core", "core/mesh"],
+    "core/encoding": ["core", "core/mesh", "core/progressive"],
     "core/reconstruction": ["core", "core/capture", "core/mesh", "core/progressive"],
     "proto": ["core", "core/mesh", "core/progressive"],
     "gpu": ["core", "core/capture", "core/mesh", "core/progressive", "core/reconstruction"],
-    "server": ["core", "core/capture", "core/mesh", "core/simulation", "core/progressive", "core/reconstruction", "proto"],
+    "server": ["core", "core/capture", "core/mesh", "core/simulation", "core/progressive", "core/encoding",
+               "core/reconstruction", "proto"],
 }
 
 # Heavy third parties: only these files include them (patterns of fnmatch; tests may include anything).

@@ -47,4 +47,13 @@ Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, cons
     return a + wb / sum * ab + wc / sum * ac;
 }
 
+Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 ab = b - a, ac = c - a, ap = p - a;
+    const double bb = ab.dot(ab), bc = ab.dot(ac), cc = ac.dot(ac), pb = ap.dot(ab), pc = ap.dot(ac);
+    const double determinant = bb * cc - bc * bc;
+    if (!(determinant > 0)) return Vec3::Constant(1.0 / 3);
+    const double v = (cc * pb - bc * pc) / determinant, w = (bb * pc - bc * pb) / determinant;
+    return {1 - v - w, v, w};
+}
+
 }  // namespace anyrate

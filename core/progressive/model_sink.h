@@ -5,8 +5,8 @@
 
 namespace anyrate {
 
-/// Distortion after a piece of the log: psi is Eq. 10 over the whole surface (squared 8-bit colour units), max the
-/// largest mean of one triangle.
+/// Distortion after a piece of the log, mean over the whole surface and the largest mean of one triangle: Eq. 10 in
+/// squared 8-bit colour units, or, of a log made from a surface, squared distance to it in squared grid units.
 struct DistortionPoint {
     double mean = 0, max = 0;
 };

@@ -1,7 +1,6 @@
 #include "core/reconstruction/reconstruct.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "core/mesh/remesh.h"
 #include "core/mesh/subdivide.h"
 #include "core/parallel.h"
+#include "core/progressive/base_on_grid.h"
 #include "core/reconstruction/capture_frame.h"
 #include "core/reconstruction/confirm_guesses.h"
 #include "core/reconstruction/exposure.h"
@@ -29,7 +29,6 @@ namespace {
 constexpr int coarsest_level = 3;     ///< of the pyramid, where the coarse mesh starts to move
 constexpr double even_density = 1.6;  ///< coarse counts of vertices in the even mesh, before it is subdivided
 constexpr int fewest_even = 1000;     ///< vertices of that mesh: fewer may not carry the surface
-constexpr double grid_margin = 0.04;  ///< of the largest extent, kept free on each side for vertices that move outward
 constexpr double least_shift_px = 0.1;  ///< of the views, root mean square: good cameras measure less than 0.09
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
@@ -47,38 +46,6 @@ void check(const ReconstructOptions& options) {
     require_count("vertices, no fewer than coarse", options.n_vertices, options.n_coarse);
     require(options.samples_per_px > 0,
             "samples per pixel: expected a number above 0, got " + std::to_string(options.samples_per_px));
-}
-
-/// The grid that holds a surface with room to move.
-Grid make_grid(const Mesh& mesh, int n_vertices) {
-    Vec3 lower = mesh.vertices.front(), upper = lower;
-    for (const Vec3& v : mesh.vertices) {
-        lower = lower.cwiseMin(v);
-        upper = upper.cwiseMax(v);
-    }
-    const double extent = (upper - lower).maxCoeff();
-    Grid grid;
-    grid.bits = n_vertices > 50'000 ? 16 : 14;
-    grid.base_shift = grid.bits - 12;
-    grid.unit = extent * (1 + 2 * grid_margin) / (std::ldexp(1.0, grid.bits) - 1);
-    grid.origin = lower - Vec3::Constant(grid_margin * extent);
-    return grid;
-}
-
-BaseMesh to_base(const Mesh& mesh, const Grid& grid) {
-    BaseMesh base;
-    base.triangles = mesh.triangles;
-    base.positions.reserve(mesh.vertices.size());
-    const double cell = std::ldexp(1.0, grid.base_shift);
-    const auto largest = static_cast<std::int32_t>((1 << (grid.bits - grid.base_shift)) - 1);
-    for (const Vec3& v : mesh.vertices) {
-        const Vec3 p = (v - grid.origin) / (grid.unit * cell);
-        const auto snap = [&](double x) {
-            return std::clamp(static_cast<std::int32_t>(std::lround(x)), 0, largest) << grid.base_shift;
-        };
-        base.positions.push_back({snap(p.x()), snap(p.y()), snap(p.z())});
-    }
-    return base;
 }
 
 /// The first picture for who waits for one.

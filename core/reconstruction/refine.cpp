@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "core/reconstruction/batch_selection.h"
-#include "core/reconstruction/emit_batch.h"
+#include "core/progressive/batch_selection.h"
+#include "core/progressive/emit_batch.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/vertex_colours.h"
 
@@ -211,7 +211,7 @@ BatchSize batch_size(int n_vertices, const RefineOptions& options) {
 Step try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, const BatchTargets& targets,
               std::span<const std::int32_t> left_out, PhotoBackend& backend, const RefineOptions& options) {
     Step step{state, {}, {}};
-    step.records = emit_batch(step.state, batch, targets, left_out, options.dead_zone);
+    step.records = emit_batch(step.state, batch, targets, left_out, {.dead_zone = options.dead_zone});
     step.distortion = measure_state(backend, step.state, options.samples_per_px);
     return step;
 }

@@ -23,5 +23,6 @@ void add_serve(CLI::App& app, Command& command);
 void add_worker(CLI::App& app, Command& command);
 void add_push(CLI::App& app, Command& command);
 void add_fetch(CLI::App& app, Command& command);
+void add_encode_mesh(CLI::App& app, Command& command);
 
 }  // namespace anyrate

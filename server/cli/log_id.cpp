@@ -49,4 +49,14 @@ std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& option
     return hash.value();
 }
 
+std::uint64_t log_id_of(const Mesh& mesh, const EncodeMeshOptions& options) {
+    Fnv1a hash;
+    for (const Vec3& v : mesh.vertices) hash.add(std::span<const double>(v.data(), 3));
+    for (const Triangle& t : mesh.triangles) hash.add(std::span<const std::int32_t>(t));
+    hash.add(std::span<const Rgb8>(mesh.colours));
+    hash.add_value(options.n_vertices);
+    hash.add_value(options.n_coarse);
+    return hash.value();
+}
+
 }  // namespace anyrate

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "core/encoding/encode_mesh.h"
 #include "core/reconstruction/reconstruct.h"
 
 namespace anyrate {
@@ -8,5 +9,8 @@ namespace anyrate {
 /// The identity of the log that this capture and these options give: equal inputs have equal ids, so that the same
 /// command gives the same file, and others practically never do. A 64-bit FNV-1a hash of every pixel and camera.
 std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options);
+
+/// The same for the log that this mesh and these options give.
+std::uint64_t log_id_of(const Mesh& mesh, const EncodeMeshOptions& options);
 
 }  // namespace anyrate

@@ -17,6 +17,7 @@
 #include "server/cli/progress_bar.h"
 #include "server/cli/read_log.h"
 #include "server/cli/report.h"
+#include "server/cli/temporary_log.h"
 #include "server/cli/thread_limit.h"
 #include "server/cli/timed_sink.h"
 #include "server/jobs/durable_sink.h"
@@ -42,24 +43,6 @@ struct ReconstructCommand {
     Backend backend = Backend::automatic;
     int n_threads = 0;
     bool quiet = false;
-};
-
-/// The growing log's place beside the model it becomes; nothing is left there when this ends.
-class TemporaryLog {
-public:
-    explicit TemporaryLog(const std::filesystem::path& model) : path_(model.string() + ".part") {}
-    ~TemporaryLog() {
-        std::error_code ignored;  // another failure may be on its way, and nothing more can be done about this one
-        std::filesystem::remove(path_, ignored);
-        std::filesystem::remove(path_.string() + ".idx", ignored);
-    }
-    TemporaryLog(const TemporaryLog&) = delete;
-    TemporaryLog& operator=(const TemporaryLog&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
 };
 
 std::string method_name(Method method) {

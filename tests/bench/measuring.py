@@ -58,7 +58,7 @@ def parser(doc, captures):
     """The options that all benchmarks have."""
     options = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="where anyrate and bench/ were built")
-    options.add_argument("--captures", nargs="+", default=captures, help="names of shared captures, or folders")
+    options.add_argument("--captures", nargs="*", default=captures, help="names of shared captures, or folders")
     options.add_argument("--out", type=pathlib.Path, help="folder that results are written into")
     options.add_argument("--work", type=pathlib.Path, help="keeps models and meshes there")
     return options

@@ -85,6 +85,23 @@ class Smoke(unittest.TestCase):
         for name in ("scale_1000", "gain_20_percent"):
             self.assertGreater(rows[name]["error_ratio"], 0)
 
+    def test_rate_distortion_weighs_prefixes_against_single_meshes(self):
+        out = self.folder / "rate_distortion"
+        counts = ["--vertices", 800, "--budgets", 300, 800]
+        torus = ["--captures", "--meshes", self.capture / "gt.ply"]
+        result, _ = bench("rate_distortion.py", *counts, *torus, "--out", out, *SIZE)
+        told = result["meshes"]["torus_true"]
+        rows = told["prefixes"]
+        self.assertEqual([row["vertices"] for row in rows], [300, 800])
+        for row in rows:
+            self.assertLessEqual(row["bytes_share"], row["bytes"])
+            self.assertGreater(row["over_single"], 0)
+            self.assertGreater(row["framing"], 0)
+        self.assertLess(rows[-1]["error"], rows[0]["error"])
+        self.assertEqual(rows[-1]["bytes"] + told["colour_bytes"], told["file_bytes"] - 28)  # all but the end frame
+        self.assertEqual(xml.dom.minidom.parse(str(out / "rate_distortion_torus_true.svg")).documentElement.tagName, "svg")
+        self.assertEqual(len((out / "rate_distortion_torus_true.csv").read_text().splitlines()), 3)
+
     def test_ablation_can_switch_off_every_technique(self):
         """Only that its edits still find their line: building a variant of the sources takes minutes."""
         for technique in ablation.TECHNIQUES:

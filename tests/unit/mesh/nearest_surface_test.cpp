@@ -23,6 +23,14 @@ TEST_CASE("closest_point: the inside, every edge and every corner of a triangle"
     CHECK(closest_point_on_triangle({-1, 4, 1}, a, b, c) == c);
 }
 
+TEST_CASE("barycentric: the weights make up the point and add up to 1") {
+    const Vec3 a(0, 0, 1), b(2, 0, 0), c(0, 3, 0.5);
+    const Vec3 p = 0.2 * a + 0.5 * b + 0.3 * c;
+    CHECK(barycentric(p, a, b, c).isApprox(Vec3(0.2, 0.5, 0.3)));
+    CHECK(barycentric(b, a, b, c).isApprox(Vec3(0, 1, 0)));
+    CHECK(barycentric(p, a, a, a).sum() == doctest::Approx(1));
+}
+
 TEST_CASE("closest_point: a triangle without area is a segment or a point") {
     const Vec3 a(0, 0, 0), b(1, 0, 0), c(3, 0, 0), p(2, 1, 0);
     CHECK(closest_point_on_triangle(p, a, b, c).isApprox(Vec3(2, 0, 0)));

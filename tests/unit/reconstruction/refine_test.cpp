@@ -8,10 +8,10 @@
 
 #include "core/error.h"
 #include "core/mesh/topology.h"
-#include "core/reconstruction/batch_selection.h"
+#include "core/progressive/batch_selection.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
-#include "grid_scenes.h"
+#include "tests/grid_scenes.h"
 
 using namespace anyrate;
 

@@ -1,4 +1,4 @@
-#include "core/reconstruction/batch_selection.h"
+#include "core/progressive/batch_selection.h"
 
 #include <algorithm>
 #include <numeric>

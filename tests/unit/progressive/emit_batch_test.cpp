@@ -1,4 +1,4 @@
-#include "core/reconstruction/emit_batch.h"
+#include "core/progressive/emit_batch.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/simulation/parametric_meshes.h"
-#include "grid_scenes.h"
+#include "tests/grid_scenes.h"
 
 using namespace anyrate;
 
@@ -46,7 +46,8 @@ std::array<Vec3, 3> last_three(const std::vector<Vec3>& vertices) {
 }
 
 BatchTargets stay(const RefinableMesh& state, std::size_t n_faces) {
-    BatchTargets targets{state.to_mesh().vertices, {}};
+    BatchTargets targets;
+    targets.old_vertices = state.to_mesh().vertices;
     targets.new_vertices.resize(n_faces);
     return targets;
 }
@@ -63,7 +64,7 @@ TEST_CASE("Emit: a vertex of the batch keeps its own target when a later split o
     targets.new_vertices[0] = last_three(fallen);
 
     RefinableMesh state = start;
-    const auto records = emit_batch(state, batch, targets, {}, 0.0);
+    const auto records = emit_batch(state, batch, targets, {}, {.dead_zone = 0.0});
     REQUIRE(records.size() == 2);
     const std::vector<Vec3> ended = state.to_mesh().vertices;
     const Triangle t = start.triangles()[at(batch[0])];
@@ -82,7 +83,7 @@ TEST_CASE("Emit: what is left out is not split, and the vertices of the others s
 
     RefinableMesh state = start;
     const std::vector<std::int32_t> left_out{10, 900};
-    const auto records = emit_batch(state, batch, targets, left_out, 1e9);
+    const auto records = emit_batch(state, batch, targets, left_out, {.dead_zone = 1e9});
     REQUIRE(records.size() == 1);
     CHECK(records[0].face == 200);
     CHECK(records[0].residual == std::array<std::int32_t, 3>{12, 12, 12});
@@ -94,12 +95,12 @@ TEST_CASE("Emit: no scalar beyond half an edge, none for a vertex without a targ
     const std::vector<std::int32_t> batch{200};
     BatchTargets targets = stay(start, 1);
     RefinableMesh state = start;
-    SplitRecord record = emit_batch(state, batch, targets, {}, 1e9).at(0);
+    SplitRecord record = emit_batch(state, batch, targets, {}, {.dead_zone = 1e9}).at(0);
     CHECK(record.residual == std::array<std::int32_t, 3>{});
     CHECK(record.update == std::array<std::int32_t, 6>{});
 
     targets.new_vertices[0] = {Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3)};
     state = start;
-    record = emit_batch(state, batch, targets, {}, 1e9).at(0);
+    record = emit_batch(state, batch, targets, {}, {.dead_zone = 1e9}).at(0);
     for (std::int32_t scalar : record.residual) CHECK(std::abs(scalar) == 40);
 }

@@ -1,0 +1,137 @@
+#include "core/encoding/normal_fit.h"
+
+#include <algorithm>
+
+#include "core/mesh/normals.h"
+#include "core/parallel.h"
+
+namespace anyrate {
+namespace {
+
+constexpr int most_iterations = 40;
+constexpr double tolerance = 1e-3;  ///< of the residual's norm: the scalars are quantised anyway
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double dot(std::span<const double> a, std::span<const double> b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+/// The quadratic function of the active vertices' displacements that the faces' add up to.
+class Quadratic {
+public:
+    Quadratic(const Mesh& mesh, std::span<const std::int32_t> active, std::span<const FaceDistance> faces,
+              double damping)
+        : gradient_(active.size(), 0.0), diagonal_(active.size(), 0.0), damping_(damping) {
+        std::vector<std::int32_t> index(mesh.vertices.size(), -1);
+        for (std::size_t i = 0; i < active.size(); ++i) index[at(active[i])] = static_cast<std::int32_t>(i);
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            Term term;
+            for (std::size_t k = 0; k < 3; ++k) term.vertices[k] = index[at(mesh.triangles[f][k])];
+            if (std::ranges::max(term.vertices) < 0) continue;
+            term.hessian = faces[f].hessian;
+            terms_.push_back(term);
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (term.vertices[k] < 0) continue;
+                gradient_[at(term.vertices[k])] += faces[f].gradient[k];
+                diagonal_[at(term.vertices[k])] += faces[f].hessian[k];
+            }
+        }
+    }
+
+    /// Where it is least, by conjugate gradients.
+    std::vector<double> minimum() const {
+        const std::size_t n = gradient_.size();
+        std::vector<double> u(n, 0.0), r(n), z(n);
+        const auto precondition = [&] {
+            for (std::size_t i = 0; i < n; ++i) z[i] = diagonal_[i] > 0 ? r[i] / (diagonal_[i] * (1 + damping_)) : 0.0;
+        };
+        for (std::size_t i = 0; i < n; ++i) r[i] = -gradient_[i];
+        precondition();
+        std::vector<double> p = z;
+        double rz = dot(r, z);
+        const double target = tolerance * tolerance * rz;
+        for (int k = 0; k < most_iterations && rz > target; ++k) {
+            const std::vector<double> Ap = apply(p);
+            const double pAp = dot(p, Ap);
+            if (!(pAp > 0)) break;
+            const double alpha = rz / pAp;
+            for (std::size_t i = 0; i < n; ++i) {
+                u[i] += alpha * p[i];
+                r[i] -= alpha * Ap[i];
+            }
+            precondition();
+            const double next = dot(r, z), beta = next / rz;
+            rz = next;
+            for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+        }
+        return u;
+    }
+
+private:
+    struct Term {
+        std::array<std::int32_t, 3> vertices{};  ///< places among the active ones, -1: not active
+        std::array<double, 6> hessian{};
+    };
+
+    std::vector<double> apply(std::span<const double> u) const {
+        std::vector<double> out(u.size());
+        for (std::size_t i = 0; i < u.size(); ++i) out[i] = damping_ * diagonal_[i] * u[i];
+        for (const Term& term : terms_) {
+            std::array<double, 3> x{}, y{};
+            for (std::size_t k = 0; k < 3; ++k) x[k] = term.vertices[k] < 0 ? 0.0 : u[at(term.vertices[k])];
+            for (std::size_t k = 0; k < 3; ++k)
+                y[k] = term.hessian[k] * x[k] + term.hessian[3 + k] * x[(k + 1) % 3] +
+                       term.hessian[3 + (k + 2) % 3] * x[(k + 2) % 3];
+            for (std::size_t k = 0; k < 3; ++k)
+                if (term.vertices[k] >= 0) out[at(term.vertices[k])] += y[k];
+        }
+        return out;
+    }
+
+    std::vector<double> gradient_, diagonal_;
+    std::vector<Term> terms_;
+    double damping_;
+};
+
+std::vector<double> mean_edge_lengths(const Mesh& mesh) {
+    std::vector<double> sum(mesh.vertices.size(), 0.0), n(mesh.vertices.size(), 0.0);
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {  // closed: every edge is met once from each end
+            sum[at(t[k])] += (mesh.vertices[at(t[(k + 1) % 3])] - mesh.vertices[at(t[k])]).norm();
+            n[at(t[k])] += 1;
+        }
+    for (std::size_t v = 0; v < sum.size(); ++v) sum[v] /= std::max(1.0, n[v]);
+    return sum;
+}
+
+std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDistance> faces) {
+    std::vector<double> costs(mesh.vertices.size(), 0.0);
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) costs[at(mesh.triangles[f][k])] += 0.5 * faces[f].hessian[k];
+    return costs;
+}
+
+}  // namespace
+
+std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
+                                      const FitOptions& options) {
+    std::vector<double> costs;
+    for (int round = 0; round < options.rounds; ++round) {
+        const std::vector<Vec3> normals = vertex_normals(mesh);
+        const std::vector<FaceDistance> faces = meter.measure(mesh, normals);
+        const std::vector<double> u = Quadratic(mesh, active, faces, options.damping).minimum();
+        const std::vector<double> edges = mean_edge_lengths(mesh);
+        for (std::size_t i = 0; i < active.size(); ++i) {
+            const std::size_t v = at(active[i]);
+            const double most = options.most_edges * edges[v];
+            mesh.vertices[v] += std::clamp(u[i], -most, most) * normals[v];
+        }
+        if (round + 1 == options.rounds) costs = displacement_costs(mesh, faces);
+    }
+    return costs;
+}
+
+}  // namespace anyrate

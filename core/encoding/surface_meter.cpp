@@ -1,0 +1,166 @@
+#include "core/encoding/surface_meter.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/mesh/closest_point.h"
+#include "core/mesh/triangle_shape.h"
+#include "core/parallel.h"
+
+namespace anyrate {
+namespace {
+
+// Points a face, and as many of the true surface for each: enough that noise of the sampling does not show in a fit.
+constexpr int fewest_points = 60'000;  ///< of a mesh of few faces: their shape has to be seen, too
+constexpr int least_steps = 2, most_steps = 6;
+constexpr std::size_t samples_per_face = 3;
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// A pair of points, one on a face, one on the true surface, that should meet.
+struct Pair {
+    Vec3 weights;       ///< of the face's corners
+    double offset = 0;  ///< from the face's point to the true one along the true normal
+    double squared_distance = 0;
+    Vec3 true_normal;
+};
+
+/// One face of a mesh.
+struct Corners {
+    Corners(const Mesh& mesh, std::size_t face)
+        : numbers(mesh.triangles[face]),
+          points{mesh.vertices[at(numbers[0])], mesh.vertices[at(numbers[1])], mesh.vertices[at(numbers[2])]},
+          twice_area(twice_area_vector(points[0], points[1], points[2])) {}
+
+    std::array<Vec3, 3> of(std::span<const Vec3> values) const {
+        return {values[at(numbers[0])], values[at(numbers[1])], values[at(numbers[2])]};
+    }
+    double area() const { return 0.5 * twice_area.norm(); }
+
+    Triangle numbers;
+    std::array<Vec3, 3> points;
+    Vec3 twice_area;
+};
+
+/// @param touched  the face's point nearest to `sample`
+Pair pair_from_surface(const Corners& corners, const Vec3& touched, const Vec3& sample, const Vec3& normal) {
+    const auto& [a, b, c] = corners.points;
+    const Vec3 offset = sample - touched;
+    return {barycentric(touched, a, b, c), offset.dot(normal), offset.squaredNorm(), normal};
+}
+
+/// @param hint  where the last search ended; where this one did
+Pair pair_from_face(const Corners& corners, const Vec3& weights, const TrueSurface& surface, std::int32_t& hint) {
+    const auto& [a, b, c] = corners.points;
+    const Vec3 point = weights[0] * a + weights[1] * b + weights[2] * c;
+    NearestSurface::Hit hit = surface.nearest.nearest_facing(point, corners.twice_area, hint);
+    if (hit.face < 0) hit = surface.nearest.nearest(point, hint);
+    hint = hit.face;
+    const Vec3& normal = surface.face_normals[at(hit.face)];
+    return {weights, (hit.point - point).dot(normal), hit.squared_distance, normal};
+}
+
+/// Sums pairs up for one face.
+class Sum {
+public:
+    explicit Sum(const std::array<Vec3, 3>& corner_normals) : normals_(corner_normals) {}
+
+    void add(const Pair& pair, double area) {
+        sum_.area += area;
+        sum_.squared += area * pair.squared_distance;
+        Vec3 slopes;  // of the offset, by the corners' displacements
+        for (int k = 0; k < 3; ++k) slopes[k] = pair.weights[k] * normals_[at(k)].dot(pair.true_normal);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto i = static_cast<Eigen::Index>(k), j = static_cast<Eigen::Index>((k + 1) % 3);
+            sum_.gradient[k] -= 2 * area * pair.offset * slopes[i];
+            sum_.hessian[k] += 2 * area * slopes[i] * slopes[i];
+            sum_.hessian[3 + k] += 2 * area * slopes[i] * slopes[j];
+        }
+    }
+
+    const FaceDistance& result() const { return sum_; }
+
+private:
+    std::array<Vec3, 3> normals_;
+    FaceDistance sum_;
+};
+
+/// The centres of the n * n equal triangles that a triangle divides into, as weights of its corners.
+std::vector<Vec3> centres(int n) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; i + j < n; ++j) {
+            for (const double up : {1.0, 2.0}) {
+                if (up == 2.0 && i + j + 2 > n) continue;
+                const double x = (i + up / 3) / n, y = (j + up / 3) / n;
+                points.emplace_back(1 - x - y, x, y);
+            }
+        }
+    return points;
+}
+
+int steps_for(std::size_t n_faces) {
+    const double wanted = fewest_points / static_cast<double>(n_faces);
+    return std::clamp(static_cast<int>(std::sqrt(wanted)), least_steps, most_steps);
+}
+
+/// Positions `i` of `keys` in the order of their keys in [0, n_keys), and where each key begins.
+struct Buckets {
+    std::vector<std::size_t> begin, order;
+};
+Buckets bucket(std::span<const std::int32_t> keys, std::size_t n_keys) {
+    Buckets result{std::vector<std::size_t>(n_keys + 1, 0), std::vector<std::size_t>(keys.size())};
+    for (const std::int32_t key : keys) ++result.begin[at(key) + 1];
+    std::partial_sum(result.begin.begin(), result.begin.end(), result.begin.begin());
+    std::vector<std::size_t> next(result.begin.begin(), result.begin.end() - 1);
+    for (std::size_t i = 0; i < keys.size(); ++i) result.order[next[at(keys[i])]++] = i;
+    return result;
+}
+
+}  // namespace
+
+std::vector<Vec3> SurfaceMeter::nearest_to_samples(const Mesh& mesh, std::size_t n_samples) {
+    const NearestSurface tree(mesh);
+    std::vector<Vec3> points(n_samples);
+    parallel_for(n_samples, [&](std::size_t i) {
+        // The face found last may be one of a trial that was not taken.
+        const std::int32_t hint = nearest_of_sample_[i] < mesh.n_faces() ? nearest_of_sample_[i] : -1;
+        NearestSurface::Hit hit = tree.nearest_facing(surface_.samples[i], surface_.sample_normals[i], hint);
+        if (hit.face < 0) hit = tree.nearest(surface_.samples[i], hint);
+        nearest_of_sample_[i] = hit.face;
+        points[i] = hit.point;
+    });
+    return points;
+}
+
+std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh, std::span<const Vec3> normals) {
+    const std::size_t n_faces = mesh.triangles.size();
+    nearest_of_face_.resize(n_faces, -1);
+    nearest_of_sample_.resize(surface_.samples.size(), -1);
+    const std::size_t n_samples =
+        std::min(surface_.samples.size(), std::max(std::size_t{fewest_points}, samples_per_face * n_faces));
+    const std::vector<Vec3> touched = nearest_to_samples(mesh, n_samples);
+    const Buckets by_face = bucket(std::span(nearest_of_sample_).first(n_samples), n_faces);
+    const double area_of_sample = 0.5 * surface_.area / static_cast<double>(n_samples);
+    const std::vector<Vec3> lattice = centres(steps_for(n_faces));
+
+    std::vector<FaceDistance> result(n_faces);
+    parallel_for(n_faces, [&](std::size_t f) {
+        const Corners corners(mesh, f);
+        Sum sum(corners.of(normals));
+        for (std::size_t k = by_face.begin[f]; k < by_face.begin[f + 1]; ++k) {
+            const std::size_t i = by_face.order[k];
+            sum.add(pair_from_surface(corners, touched[i], surface_.samples[i], surface_.sample_normals[i]),
+                    area_of_sample);
+        }
+        const double area_of_point = 0.5 * corners.area() / static_cast<double>(lattice.size());
+        for (const Vec3& weights : lattice)
+            sum.add(pair_from_face(corners, weights, surface_, nearest_of_face_[f]), area_of_point);
+        result[f] = sum.result();
+    });
+    return result;
+}
+
+}  // namespace anyrate
