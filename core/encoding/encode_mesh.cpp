@@ -16,7 +16,7 @@
 #include "core/mesh/triangle_shape.h"
 #include "core/progressive/base_on_grid.h"
 #include "core/progressive/batch_selection.h"
-#include "core/progressive/emit_batch.h"
+#include "core/progressive/trial_batch.h"
 
 namespace anyrate {
 namespace {
@@ -111,33 +111,14 @@ int splits_of_batch(int n_vertices, const EncodeMeshOptions& options) {
 /// Splits the batch on a copy of the state and moves the nine vertices of every split, all together, to where the
 /// squared distance is least.
 BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
-    RefinableMesh trial = state;
-    std::vector<std::int32_t> first_new(batch.size(), -1), active;
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        const auto site = trial.split_site(batch[k]);
-        if (!site) continue;  // a flip of an earlier split changed the face
-        first_new[k] = trial.n_vertices();
-        active.insert(active.end(), site->begin(), site->end());
-        trial.split(batch[k], [](const ScalarSite&) { return 0; });
-        for (std::int32_t i = 0; i < 3; ++i) active.push_back(first_new[k] + i);
-    }
-    std::sort(active.begin(), active.end());
-    active.erase(std::unique(active.begin(), active.end()), active.end());
-    Mesh mesh = trial.to_mesh();
-    const std::vector<double> costs = fit_along_normals(mesh, active, meter, {});
-
-    BatchTargets targets;
-    const auto n_old = static_cast<std::ptrdiff_t>(state.n_vertices());
-    targets.old_vertices.assign(mesh.vertices.begin(), mesh.vertices.begin() + n_old);
-    targets.old_costs.assign(costs.begin(), costs.begin() + n_old);
-    targets.new_vertices.resize(batch.size());
+    TrialBatch trial = try_batch(state, batch);
+    const std::vector<double> costs = fit_along_normals(trial.mesh, trial.active, meter, {});
+    BatchTargets targets = targets_of(trial, state.n_vertices());
+    targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
     targets.new_costs.resize(batch.size());
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        if (first_new[k] < 0) continue;
-        const std::size_t v = at(first_new[k]);
-        targets.new_vertices[k] = {mesh.vertices[v], mesh.vertices[v + 1], mesh.vertices[v + 2]};
-        targets.new_costs[k] = {costs[v], costs[v + 1], costs[v + 2]};
-    }
+    for (std::size_t k = 0; k < batch.size(); ++k)
+        if (const std::int32_t v = trial.first_new[k]; v >= 0)
+            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
     return targets;
 }
 

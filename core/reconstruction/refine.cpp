@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/progressive/batch_selection.h"
 #include "core/progressive/emit_batch.h"
+#include "core/progressive/trial_batch.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/vertex_colours.h"
 
@@ -107,22 +108,11 @@ void start_on(const NearestSurface& fitted, Mesh& mesh, int first) {
 BatchTargets optimise_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, PhotoBackend& backend,
                             Silhouettes& silhouettes, const GuessedSurface& guessed, const NearestSurface& fitted,
                             const RefineOptions& options, const std::stop_token& stop) {
-    RefinableMesh trial = state;
-    std::vector<std::int32_t> first_new(batch.size(), -1), active;
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        const auto site = trial.split_site(batch[k]);
-        if (!site) continue;  // a flip of an earlier split changed the face
-        first_new[k] = trial.n_vertices();
-        active.insert(active.end(), site->begin(), site->end());
-        trial.split(batch[k], [](const ScalarSite&) { return 0; });
-        for (std::int32_t i = 0; i < 3; ++i) active.push_back(first_new[k] + i);
-    }
-    std::sort(active.begin(), active.end());
-    active.erase(std::unique(active.begin(), active.end()), active.end());
-
-    Mesh mesh = trial.to_mesh();
+    TrialBatch trial = try_batch(state, batch);
+    Mesh& mesh = trial.mesh;
     start_on(fitted, mesh, state.n_vertices());
     const std::vector<char> is_guessed = guessed.vertices(mesh);
+    std::vector<std::int32_t> active = trial.active;
     std::erase_if(active, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
     OptimiseOptions optimise;
     optimise.rounds = 1;  // of visibility: the surface hardly moves
@@ -131,14 +121,7 @@ BatchTargets optimise_batch(const RefinableMesh& state, std::span<const std::int
     optimise.samples_per_px = options.samples_per_px;
     if (!active.empty())
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
-
-    BatchTargets targets;
-    targets.old_vertices.assign(mesh.vertices.begin(), mesh.vertices.begin() + state.n_vertices());
-    targets.new_vertices.resize(batch.size());
-    for (std::size_t k = 0; k < batch.size(); ++k)
-        if (const std::int32_t v = first_new[k]; v >= 0)
-            targets.new_vertices[k] = {mesh.vertices[at(v)], mesh.vertices[at(v + 1)], mesh.vertices[at(v + 2)]};
-    return targets;
+    return targets_of(trial, state.n_vertices());
 }
 
 /// Mean of phi per sample over the faces around some vertices; nullopt where nothing is seen.
