@@ -136,7 +136,7 @@ std::vector<ShortLoop> short_loops(const SignedGraph& graph, double max_length) 
     for (std::int32_t h = 0; h < 3 * graph.mesh.n_faces(); ++h)
         if (graph.signature[h] != 0) starts.push_back(std::min(origin(graph.mesh, h), target(graph.mesh, h)));
     std::ranges::sort(starts);
-    starts.erase(std::ranges::unique(starts).begin(), starts.end());
+    starts.erase(std::unique(starts.begin(), starts.end()), starts.end());
     std::vector<ShortLoop> loops(starts.size());
     tbb::enumerable_thread_specific<LoopSearch> search([&] { return LoopSearch(graph); });
     parallel_for(starts.size(),
