@@ -133,7 +133,7 @@ double gain_of_a_bit(const Measured& now) {
 EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelSink& sink,
                       const std::function<void(const EncodeProgress&)>& progress, std::stop_token stop) {
     require_counts(options);
-    require_closed_surface(mesh);
+    require_closed_surface(mesh, options.name);
     if (progress) progress({});
     const TrueSurface surface(mesh, std::clamp(samples_per_vertex * options.n_vertices, fewest_samples, most_samples));
     if (stop.stop_requested()) return EncodeEnd::before_the_base;

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <stop_token>
+#include <string>
 
 #include "core/mesh/mesh.h"
 #include "core/progressive/model_sink.h"
@@ -10,6 +11,7 @@ namespace anyrate {
 // The numbers behind these choices are those of a bust of 35,002 vertices, at 10,000: "x" is bytes over the bytes of
 // one simplified mesh of the same error in single-rate Draco; 0.81 as the options are here.
 struct EncodeMeshOptions {
+    std::string name = "mesh";  ///< of the surface, for what is said of it
     int n_vertices = 10'000;
     int n_coarse = 1'500;        ///< with growth 0.16, 2,000: x 0.82, 1,000: x 0.83
     int base_bits = 11;          ///< of a base position; with 2,500 vertices and a dead zone x 0.93, 12: x 0.96

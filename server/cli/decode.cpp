@@ -24,8 +24,10 @@ struct DecodeOptions {
 
 int decode(const DecodeOptions& options) {
     const std::vector<std::byte> log = read_log(options.model);
-    warn_if_cut(read_layout(log), log.size(), options.model);
-    const Mesh mesh = decode_mesh(log, options.budget.budget());
+    const Mesh mesh = naming_log(options.model, [&] {
+        warn_if_cut(read_layout(log), log.size(), options.model);
+        return decode_mesh(log, options.budget.budget());
+    });
     if (options.draco) {
         replace_file(options.mesh, encode_draco_glb(mesh));
     } else {

@@ -96,6 +96,7 @@ void add_encode_mesh(CLI::App& app, Command& command) {
     sub->add_flag("--quiet", request->quiet, "say nothing but errors");
     sub->callback([request, default_coarse, &command] {
         request->options.n_coarse = request->n_coarse.value_or(std::min(default_coarse, request->options.n_vertices));
+        request->options.name = request->mesh.string();
         command = [request] { return encode_file(*request); };
     });
 }

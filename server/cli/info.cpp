@@ -89,7 +89,7 @@ void print_layout(const LogLayout& layout, std::size_t n_bytes, const char* name
 
 int info(const InfoOptions& options) {
     const auto log = read_log(options.model);
-    const LogLayout layout = read_layout(log);
+    const LogLayout layout = naming_log(options.model, [&] { return read_layout(log); });
     warn_if_cut(layout, log.size(), options.model);
     if (options.json) {
         std::printf("%s\n", layout_json(layout, log.size()).dump(1).c_str());

@@ -12,7 +12,7 @@ namespace {
 
 int verify(const std::filesystem::path& model) {
     const auto log = read_log(model);
-    const std::size_t n_frames = verify_log(log);
+    const std::size_t n_frames = naming_log(model, [&] { return verify_log(log); });
     std::printf("%s: %zu frames, every checksum and state hash holds\n", log_name(model), n_frames);
     return 0;
 }

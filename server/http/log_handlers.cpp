@@ -43,7 +43,10 @@ bool is_tag_of_prefix(const LogView& log, std::string_view tag) {
 LogView expect_log(Service& service, const Request& request, bool is_live_form = false) {
     const ModelRecord model = expect_model(service, request);
     auto log = is_live_form ? service.store.open_live_log(model.id) : service.store.open_log(model.id);
-    if (log) return std::move(*log);
+    const bool has_failed = is_final(model.state) && model.state != ModelState::done;
+    // Before the first point of its curve a model has but a preview, which is nothing to keep.
+    const bool is_left_preview = has_failed && service.catalog.curve(model.id).empty();
+    if (log && !is_left_preview) return std::move(*log);
     if (is_final(model.state))
         throw HttpProblem(404, "model " + model.id + " has no log: it " + state_name(model.state) + ": " + model.error);
     throw HttpProblem(404, "model " + model.id + " has no log yet: it is " + state_name(model.state),

@@ -15,7 +15,7 @@ namespace {
 /// What the refusal says; empty if there is none.
 std::string refusal(const Mesh& mesh) {
     try {
-        require_closed_surface(mesh);
+        require_closed_surface(mesh, "mesh");
         return {};
     } catch (const InputError& error) {
         return error.what();

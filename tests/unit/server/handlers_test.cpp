@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/error.h"
 #include "core/mesh/mesh_io.h"
 #include "proto/log_reader.h"
 #include "server/http/service.h"
@@ -129,6 +130,26 @@ TEST_CASE("Log: two budgets with different bytes have different tags") {
     const std::string log = "/v1/models/" + f.finished_model() + "/log";
     CHECK(f.get(log, {{"vertices", "6"}}).headers.find("ETag") !=
           f.get(log, {{"vertices", "18"}}).headers.find("ETag"));
+}
+
+TEST_CASE("Log: what a failed model leaves of a preview is no log") {
+    Fixture f;
+    const std::string id = nlohmann::json::parse(f.text(f.post("PK\x03\x04")))["id"];
+    f.catalog.claim_next({});
+    JobSteps steps = small_job_steps(1);
+    steps.reconstruct = [](const Capture&, const ReconstructOptions&, ModelSink& sink, const ProgressFn&,
+                           std::stop_token) -> ReconstructResult {
+        write_octahedron(*sink.preview());
+        throw InputError("nothing to see");
+    };
+    run_job({.model_id = id, .paths = f.store.paths(id), .options = {}}, steps, [](const WorkerMessage&) {}, {});
+    CHECK(f.get("/v1/models/" + id + "/log").status == 200);  // while it runs
+    f.catalog.finish(id, ModelState::failed, "nothing to see", {});
+    for (const char* what : {"/log", "/index", "/mesh.ply"}) {
+        const Response response = f.get("/v1/models/" + id + what);
+        CHECK(response.status == 404);
+        CHECK(f.text(response).find("nothing to see") != std::string::npos);
+    }
 }
 
 TEST_CASE("Index: binary and JSON hold the same rows") {
