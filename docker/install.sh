@@ -11,9 +11,9 @@ packages=(
     # proto
     libdraco-dev nlohmann-json3-dev
     # server
-    libcli11-dev libspdlog-dev libsqlite3-dev
+    libcli11-dev libspdlog-dev libsqlite3-dev libseccomp-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
-    doctest-dev curl python3 clang libclang-rt-14-dev llvm
+    doctest-dev curl python3 clang libclang-rt-14-dev llvm zzuf fiu-utils libfiu0
 )
 
 is_installed() {
