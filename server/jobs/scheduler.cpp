@@ -158,6 +158,7 @@ Scheduler::Scheduler(Catalog& catalog, ModelEvents& events, WorkerCommand comman
                      LogLine log)
     : catalog_(catalog), events_(events), command_(std::move(command)), options_(options), log_(std::move(log)) {
     RetryRule at_once = retry_rule(FailureCause::machine);
+    at_once.max_fruitless = options_.max_restarts;
     at_once.not_before = now();
     const int n_recovered = catalog_.recover(Timestamp::max(), at_once, recovered_error, now());
     if (n_recovered > 0) log_(std::to_string(n_recovered) + " interrupted models found");

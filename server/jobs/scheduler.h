@@ -20,6 +20,7 @@ namespace anyrate {
 struct SchedulerOptions {
     int n_workers = 1;     ///< jobs at a time
     int max_attempts = 3;  ///< in a row that get a job no further because its worker dies or its machine fails
+    int max_restarts = 20;  ///< likewise, because the server dies: seldom a job's fault
     std::chrono::milliseconds stop_patience = std::chrono::seconds(5);  ///< for a worker that was told to stop
     std::chrono::milliseconds job_limit = std::chrono::hours(6);        ///< after this a worker is killed
     std::chrono::milliseconds retry_delay = std::chrono::seconds(1);    ///< before a job that failed is tried again
