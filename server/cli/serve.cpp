@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/job_options.h"
 #include "server/cli/listen_address.h"
 #include "server/http/server.h"
 
@@ -22,8 +23,7 @@ struct ServeCommand {
     std::string listen = "127.0.0.1:8080";
     std::filesystem::path data = "anyrate-data";
     std::string token;
-    int n_workers = 1;
-    std::uint64_t worker_memory_mb = 4096;
+    JobOptions jobs;
     std::uint64_t max_upload_mb = 1024;
 };
 
@@ -32,7 +32,7 @@ WorkerCommand worker_command(const ServeCommand& request) {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
     const std::string data = std::filesystem::absolute(request.data).string();
     const std::string parent = std::to_string(::getpid());
-    const std::string memory = std::to_string(request.worker_memory_mb);
+    const std::string memory = std::to_string(request.jobs.worker_memory_mb);
     return [=](const ModelRecord& model) -> std::vector<std::string> {
         return {program,      "worker",
                 "--data",     data,
@@ -56,12 +56,14 @@ LogLine log_to_standard_error() {
 int serve(const ServeCommand& request) {
     const Interrupt interrupt;  // before any thread starts
     const ListenAddress listen = parse_listen_address(request.listen);
+    const SchedulerOptions jobs = request.jobs.scheduler();
     Server server({.address = listen.address,
                    .port = listen.port,
                    .data = request.data,
                    .token = request.token,
                    .max_upload_bytes = request.max_upload_mb << 20,
-                   .jobs = {.n_workers = request.n_workers},
+                   .jobs = jobs,
+                   .keep = keep_rule(request.jobs.keep_days, request.jobs.keep_mb),
                    .worker_command = worker_command(request),
                    .log = log_to_standard_error()});
     std::printf("listening on %s\n", server.url().c_str());
@@ -80,11 +82,7 @@ void add_serve(CLI::App& app, Command& command) {
                     "address and port; port 0 takes a free one; beyond loopback needs a token")
         ->capture_default_str();
     sub->add_option("--data", request->data, "data directory; made if missing")->capture_default_str();
-    sub->add_option("--workers", request->n_workers, "reconstructions at a time")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
-    sub->add_option("--worker-memory", request->worker_memory_mb, "MB a worker may use; 0 for no limit")
-        ->capture_default_str();
+    add_job_options(*sub, request->jobs);
     sub->add_option("--max-upload", request->max_upload_mb, "MB of one capture")
         ->check(CLI::Range(1, 1 << 20))
         ->capture_default_str();

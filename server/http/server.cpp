@@ -24,6 +24,7 @@ namespace anyrate {
 namespace {
 
 constexpr auto drain_patience = std::chrono::seconds(20);
+constexpr auto housekeeping_interval = std::chrono::seconds(10);
 
 tcp::endpoint endpoint_of(const ServerOptions& options) {
     ErrorCode error;
@@ -125,6 +126,8 @@ struct Server::State {
                             scheduler.abandon(id);
                             events.notify(id);
                         }};
+    Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
+                            options.log};
     Router router = make_router(service);
     Sessions sessions;
     asio::thread_pool quick_pool{4};

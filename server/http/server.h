@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 
+#include "server/jobs/housekeeping.h"
 #include "server/jobs/scheduler.h"
 
 namespace anyrate {
@@ -18,6 +19,7 @@ struct ServerOptions {
     std::uint64_t max_upload_bytes = 1ull << 30;
     int n_network_threads = 2;
     SchedulerOptions jobs;
+    KeepRule keep;  ///< of finished models
     WorkerCommand worker_command;
     LogLine log;
 };
@@ -25,7 +27,8 @@ struct ServerOptions {
 /// The whole server: stores, scheduler, listener.
 class Server {
 public:
-    /// Opens the data directory and listens, and ignores SIGPIPE in this process; jobs that a dead server left behind are queued again.
+    /// Opens the data directory and listens, and ignores SIGPIPE in this process; jobs that a dead server left behind
+    /// are queued again.
     /// @throws InputError no address, or one beyond loopback without a token
     /// @throws IoError    the data directory or the port cannot be had
     explicit Server(ServerOptions options);
