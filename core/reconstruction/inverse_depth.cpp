@@ -26,8 +26,7 @@ struct Linear {
     float dx, dy;
     Float4 within;  ///< a group, from its first pixel
 
-    Linear(float along_x, float along_y)
-        : dx(along_x), dy(along_y), within{0, along_x, 2 * along_x, 3 * along_x} {}
+    Linear(float along_x, float along_y) : dx(along_x), dy(along_y), within{0, along_x, 2 * along_x, 3 * along_x} {}
     Float4 at(float x, float y) const { return within + (dx * x + dy * y); }
 };
 

@@ -45,9 +45,7 @@ private:
         double hessian = 0;                  ///< of photo-consistency and silhouettes
         double umbrella = 0, transpose = 0;  ///< derivative of the row's umbrella by it, of its umbrella by the row's
     };
-    std::span<const Entry> row(std::size_t i) const {
-        return {entries_.data() + begin_[i], begin_[i + 1] - begin_[i]};
-    }
+    std::span<const Entry> row(std::size_t i) const { return {entries_.data() + begin_[i], begin_[i + 1] - begin_[i]}; }
 
     std::size_t n_;
     double bending_weight_;

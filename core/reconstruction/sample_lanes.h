@@ -54,14 +54,14 @@ struct TermLanes {
 /// @param samples  one per view
 void look_at_lanes(const SampleLanes& lanes, std::span<const TriangleView> views, std::span<LanesInView> samples);
 
-/// Adds phi and the number of samples. Source: Nghiem et al., Eqs. 5 and 8, in the two-pass form of photo_consistency();
-/// a sample counts where two views see it.
+/// Adds phi and the number of samples. Source: Nghiem et al., Eqs. 5 and 8, in the two-pass form of
+/// photo_consistency(); a sample counts where two views see it.
 /// @param weight  omega of each sample
 void add_distortion(const Float8& weight, std::span<const LanesInView> samples, TermLanes& sums);
 
-/// Adds everything, the derivative of Eq. 5 along the motion of the corners included: dF/du = 2/(K-1) sum (C_i - mean C)
-/// dC_i/du; the Gauss-Newton Hessian 2/(K-1) sum (dC_i/du - mean)^2 takes one direction per sample, the barycentric mean
-/// of the three.
+/// Adds everything, the derivative of Eq. 5 along the motion of the corners included: dF/du = 2/(K-1) sum (C_i - mean
+/// C) dC_i/du; the Gauss-Newton Hessian 2/(K-1) sum (dC_i/du - mean)^2 takes one direction per sample, the barycentric
+/// mean of the three.
 /// @param samples  their derivatives by the pixel are replaced by those along that direction, in dx
 void add_terms(const SampleLanes& lanes, const Float8& weight, std::span<const TriangleView> views,
                std::span<LanesInView> samples, TermLanes& sums);
