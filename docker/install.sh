@@ -13,7 +13,7 @@ packages=(
     # server
     libcli11-dev libspdlog-dev libsqlite3-dev libssl-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
-    doctest-dev curl python3 clang libclang-rt-14-dev llvm
+    doctest-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm
 )
 
 is_installed() {

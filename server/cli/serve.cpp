@@ -74,7 +74,8 @@ int serve(const ServeCommand& request) {
                    .jobs = {.n_workers = request.n_workers},
                    .worker_command = worker_command(request),
                    .log = log.line,
-                   .log_access = log.request});
+                   .log_access = log.request,
+                   .log_from_status = log.from_status});
     std::printf("listening on %s\n", server.url().c_str());
     std::fflush(stdout);
     server.run(interrupt.token());

@@ -135,6 +135,10 @@ Response show_metrics(Service& service, const Request&) {
     return text_response(std::move(text), "text/plain; version=0.0.4");
 }
 
-Response openapi(const Request&) { return text_response(std::string(openapi_document()), "application/yaml"); }
+Response openapi_yaml(const Request&) { return text_response(std::string(openapi_document()), "application/yaml"); }
+
+Response openapi_json(const Request&) {
+    return text_response(std::string(openapi_document_json()), "application/json");
+}
 
 }  // namespace anyrate

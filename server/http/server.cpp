@@ -168,6 +168,7 @@ struct Server::State {
         expect_safe(options, endpoint, tokens);
         store.remove_leftovers([this](const std::string& id) { return catalog.find(id).has_value(); });
         metrics.routes = metrics_of(router);
+        context.hot_route = router.number_of("/v1/models/{id}/log");
     }
     ~State() { join(); }
 
@@ -217,7 +218,8 @@ struct Server::State {
                           .access = {tokens, options.is_private},
                           .cors_origins = options.cors_origins,
                           .log = options.log,
-                          .log_access = options.log_access};
+                          .log_access = options.log_access,
+                          .log_from_status = options.log_from_status};
     std::vector<std::unique_ptr<NetworkThread>> threads;
     asio::steady_timer capture_timer{threads[0]->loop()};
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins

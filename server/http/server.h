@@ -28,7 +28,8 @@ struct ServerOptions {
     SchedulerOptions jobs = {};
     WorkerCommand worker_command;
     LogLine log;
-    std::function<void(const AccessRecord&)> log_access = {};  ///< takes every request; empty for none
+    std::function<void(const AccessRecord&)> log_access = {};  ///< takes requests; empty for none
+    int log_from_status = 0;  ///< only those whose answer has such a status or a higher
 };
 
 /// The whole server: stores, scheduler, listener.
