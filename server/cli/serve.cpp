@@ -21,6 +21,7 @@ namespace {
 struct ServeCommand {
     std::string listen = "127.0.0.1:8080";
     std::filesystem::path data = "anyrate-data";
+    std::filesystem::path viewer = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "viewer";
     std::string token;
     int n_workers = 1;
     std::uint64_t worker_memory_mb = 4096;
@@ -61,6 +62,7 @@ int serve(const ServeCommand& request) {
                    .data = request.data,
                    .token = request.token,
                    .max_upload_bytes = request.max_upload_mb << 20,
+                   .viewer = request.viewer,
                    .jobs = {.n_workers = request.n_workers},
                    .worker_command = worker_command(request),
                    .log = log_to_standard_error()});
@@ -88,6 +90,7 @@ void add_serve(CLI::App& app, Command& command) {
     sub->add_option("--max-upload", request->max_upload_mb, "MB of one capture")
         ->check(CLI::Range(1, 1 << 20))
         ->capture_default_str();
+    sub->add_option("--viewer", request->viewer, "folder of the web viewer; the one beside this program by default");
     sub->add_option("--token", request->token, "what writers must send; better given in the environment")
         ->envname("ANYRATE_TOKEN");
     sub->callback([request, &command] { command = [request] { return serve(*request); }; });

@@ -124,7 +124,8 @@ struct Server::State {
                         [this](const std::string& id) {
                             scheduler.abandon(id);
                             events.notify(id);
-                        }};
+                        },
+                    .viewer = ViewerFiles::load(options.viewer)};
     Router router = make_router(service);
     Sessions sessions;
     asio::thread_pool quick_pool{4};

@@ -17,6 +17,7 @@ struct ServerOptions {
     std::string token;  ///< of writers; without one the server listens on loopback only
     std::uint64_t max_upload_bytes = 1ull << 30;
     int n_network_threads = 2;
+    std::filesystem::path viewer;  ///< folder of the web viewer's files; none there: a plain page
     SchedulerOptions jobs;
     WorkerCommand worker_command;
     LogLine log;
@@ -25,7 +26,8 @@ struct ServerOptions {
 /// The whole server: stores, scheduler, listener.
 class Server {
 public:
-    /// Opens the data directory and listens, and ignores SIGPIPE in this process; jobs that a dead server left behind are queued again.
+    /// Opens the data directory and listens, and ignores SIGPIPE in this process; jobs that a dead server left behind
+    /// are queued again.
     /// @throws InputError no address, or one beyond loopback without a token
     /// @throws IoError    the data directory or the port cannot be had
     explicit Server(ServerOptions options);
