@@ -35,16 +35,21 @@ export type ModelEvent =
 export interface ModelOptions {
     /** Of Draco in a worker, see dracoInWorker(); in this thread if left out. The model does not dispose of it. */
     readonly draco?: DracoService;
+    /** Goes on to this budget once the first request is answered; without it, openModel() stops there. */
+    readonly budget?: Budget;
     /** Disposes of the model. */
     readonly signal?: AbortSignalLike;
     /** What the engine lacks, or tests replace. */
     readonly platform?: Partial<Platform>;
     readonly live?: Partial<LiveOptions>;
     readonly onEvent?: (event: ModelEvent) => void;
+    /** Is given the model before its first bytes arrive, for whoever shows it while it is opened. */
+    readonly onModel?: (model: Model) => void;
 }
 
 /**
- * Opens a model by one request of 8 KB, which brings header, index and base, and replays what is in it.
+ * Opens a model by one request of 8 KB, which brings header, index and base, and replays what is in it. A base that is
+ * larger takes a second request, as does a budget that is given.
  * @param url of a model of a server (.../v1/models/ID), or of a log as a file
  * @throws ServerError the server refuses, DecodeError it has no sound log, whatever fetch throws
  */
@@ -68,7 +73,9 @@ export async function followModel(url: string, options: ModelOptions = {}): Prom
 
 async function newModel(url: string, options: ModelOptions): Promise<Model> {
     const draco = options.draco ?? dracoInThread(await loadDraco3d());
-    return new Model(modelUrls(url), draco, options);
+    const model = new Model(modelUrls(url), draco, options);
+    options.onModel?.(model);
+    return model;
 }
 
 /** A model of a server, as far as it has been fetched and replayed. Made by openModel() or followModel(). */
@@ -211,12 +218,14 @@ export class Model {
         void this.download.dispose();
     };
 
-    /** For openModel(). */
+    /** What openModel() does. */
     async readFirst(): Promise<void> {
         await this.download.readTo(firstRequestBytes);
         await this.decoder.settled();
         const { scanner } = this.decoder;
-        if (scanner.header && !scanner.rows.length) await this.fetchFor({ bytes: 0 }); // a base beyond 8 KB
+        const { budget } = this.options;
+        if (budget) await this.setBudget(budget);
+        else if (scanner.header && !scanner.rows.length) await this.fetchFor({ bytes: 0 }); // a base beyond 8 KB
         await this.decoder.settled();
     }
 

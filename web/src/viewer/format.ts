@@ -26,9 +26,11 @@ export function significant(n: number): string {
     return n.toLocaleString("en", { maximumFractionDigits: Math.min(digits, 3) });
 }
 
-/** 23 Nov, 14:05 */
-export function dateAndTime(iso: string): string {
-    return new Date(iso).toLocaleString("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+/** 14:05 if it was today, else 23 Nov. */
+export function dateOrTime(iso: string): string {
+    const date = new Date(iso);
+    const isToday = date.toDateString() === new Date().toDateString();
+    return date.toLocaleString("en-GB", isToday ? { hour: "2-digit", minute: "2-digit" } : { day: "numeric", month: "short" });
 }
 
 /** A model's id, as short as still tells it apart. */

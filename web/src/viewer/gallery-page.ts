@@ -1,7 +1,7 @@
 import { deleteModel, isFinal, listModels, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
 import { h, icon, icons } from "./dom.js";
-import { bytes, count, dateAndTime, shortId } from "./format.js";
+import { bytes, count, dateOrTime, shortId } from "./format.js";
 import type { Page } from "./page.js";
 import { stateSentence } from "./stage-list.js";
 import { ThumbnailPainter } from "./thumbnail.js";
@@ -67,12 +67,12 @@ class Gallery {
             { class: "card", "data-id": model.id },
             h("a", { class: "card-link", href: `/models/${model.id}`, "aria-label": `Model ${shortId(model.id)}` }, canvas),
             h("div", { class: "card-line" }, h("span", { class: "card-name" }, shortId(model.id)), state, remove),
-            h("div", { class: "card-line muted" }, numbers, h("time", { datetime: model.created }, dateAndTime(model.created))),
+            h("div", { class: "card-line muted" }, numbers, h("time", { datetime: model.created }, dateOrTime(model.created))),
             bar,
             sentence,
         );
         remove.addEventListener("click", () => void this.remove(model, card));
-        let painted = false;
+        let painted = "";
         const show = (now: ModelInfo) => {
             state.textContent = stateSentence(now);
             state.className = `chip ${now.state}`;
@@ -80,8 +80,9 @@ class Gallery {
             bar.hidden = isFinal(now);
             fill.style.width = `${100 * now.fraction}%`;
             sentence.textContent = now.error ?? "";
-            if (now.state === "done" && !painted) {
-                painted = true;
+            // Once there is something to see, and again when it is done.
+            if (now.vertices > 0 && painted !== now.state && (now.state === "done" || !painted)) {
+                painted = now.state;
                 this.painter.paint(model.id, canvas);
             }
         };

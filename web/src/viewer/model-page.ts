@@ -29,6 +29,7 @@ const shadingNames: readonly (readonly [Shading, string])[] = [
     ["heat", "Last step"],
 ];
 
+const everything: Budget = { vertices: 2 ** 24 };
 const settleMilliseconds = 90; // of a slider that is still being dragged
 
 class ModelPage {
@@ -117,17 +118,17 @@ class ModelPage {
 
     private async openModel(): Promise<void> {
         const info = this.info!;
-        const options = { draco: draco(), signal: this.stop.signal as never, onEvent: (event: ModelEvent) => this.take(event) };
+        const options = { draco: draco(), signal: this.stop.signal as never, onEvent: (event: ModelEvent) => this.take(event), onModel: (model: Model) => this.attach(model) };
         try {
             if (isFinal(info)) {
                 if (info.bytes === 0) return;
-                this.attach(await openModel(modelUrl(this.id), options));
+                const budget = this.budget ?? everything;
+                await openModel(modelUrl(this.id), { ...options, budget });
                 this.refreshRows();
-                await this.model!.setBudget(this.budget ?? { vertices: 1e9 });
                 this.settled();
             } else {
                 this.stopWatching = watchModel(this.id, (now) => this.showInfo(now), () => this.say(deletedSentence));
-                this.attach(await followModel(modelUrl(this.id), options));
+                await followModel(modelUrl(this.id), options);
                 if (this.budget) void this.model!.setBudget(this.budget);
             }
         } catch (error) {
@@ -136,10 +137,8 @@ class ModelPage {
     }
 
     private attach(model: Model): void {
-        this.model?.dispose();
         this.model = model;
         this.view?.setModel(model);
-        if (model.mesh) this.begin();
     }
 
     private begin(): void {
