@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-#include "server/http/capture_handlers.h"
+#include "server/http/photograph_handlers.h"
 #include "server/http/log_handlers.h"
 #include "server/http/model_handlers.h"
 #include "server/http/pages.h"

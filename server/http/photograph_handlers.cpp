@@ -1,4 +1,4 @@
-#include "server/http/capture_handlers.h"
+#include "server/http/photograph_handlers.h"
 
 #include <charconv>
 #include <memory>
