@@ -22,7 +22,21 @@ export function modelUrl(id: string): string {
 
 export async function listModels(after?: string): Promise<{ models: ModelInfo[]; next?: string }> {
     const response = await fetch(after ?? "/v1/models?limit=60");
-    return (await answer(response)).json() as Promise<{ models: ModelInfo[]; next?: string }>;
+    const page = (await (await answer(response)).json()) as { models: ModelInfo[]; next?: string };
+    page.models.forEach(remember);
+    return page;
+}
+
+const known = new Map<string, ModelInfo>();
+
+/** Keeps what the server said of a model, so that its page need not wait to hear it again. */
+export function remember(model: ModelInfo): void {
+    known.set(model.id, model);
+}
+
+/** What the server said last. */
+export function knownModel(id: string): ModelInfo | undefined {
+    return known.get(id);
 }
 
 export async function getModel(id: string): Promise<ModelInfo> {
@@ -45,6 +59,7 @@ export function watchModel(id: string, onState: (model: ModelInfo) => void, onDe
     events.addEventListener("state", ({ data }) => {
         const model = JSON.parse(data as string) as ModelInfo;
         if (isFinal(model)) events.close();
+        remember(model);
         onState(model);
     });
     events.addEventListener("deleted", () => {

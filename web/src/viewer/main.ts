@@ -2,6 +2,7 @@ import "@fontsource-variable/inter/index.css";
 import "./style.css";
 
 import { h, icon, icons } from "./dom.js";
+import { draco } from "./draco.js";
 import { galleryPage } from "./gallery-page.js";
 import { modelPage } from "./model-page.js";
 import { followLinks } from "./page.js";
@@ -59,5 +60,6 @@ function switchTheme(): void {
 const chosen = localStorage.getItem(themeKey);
 if (chosen) document.documentElement.dataset["theme"] = chosen;
 followLinks();
+draco(); // starts while the visitor looks around
 addEventListener("popstate", show);
 show();

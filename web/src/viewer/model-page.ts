@@ -1,6 +1,6 @@
 import { DecodeError, followModel, openModel, ServerError } from "../client/index.js";
 import type { Budget, Model, ModelEvent } from "../client/index.js";
-import { getCameras, getModel, isFinal, modelUrl, RequestError, watchModel } from "./api.js";
+import { getCameras, getModel, isFinal, knownModel, modelUrl, RequestError, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
 import { BudgetPanel } from "./budget-panel.js";
 import { cameraCentre, meanUp } from "./camera-view.js";
@@ -81,27 +81,35 @@ class ModelPage {
     }
 
     async open(): Promise<void> {
-        try {
-            this.view = new ModelView(this.stage);
-        } catch {
-            this.say("This browser shows no WebGL, so there is no picture. The downloads work without it.");
-        }
-        this.view?.setShading(this.shading);
-        this.view?.setEdges(this.edges);
-        if (this.view) {
-            this.view.onMoved = () => this.remember();
-            this.view.onLeftPhotograph = () => this.leavePhotograph();
-            if (this.shared.pose) this.view.setPose(this.shared.pose);
-        }
         this.clock = setInterval(() => this.showStatistics(), 250);
         try {
-            this.showInfo(await getModel(this.id));
+            this.showInfo(knownModel(this.id) ?? (await getModel(this.id)));
         } catch (error) {
             this.sayFailure(error);
             return;
         }
+        const opened = this.openModel();
+        await new Promise((resolve) => setTimeout(resolve)); // so that the request leaves before the view is made
+        this.openView();
         void this.openPhotographs();
-        await this.openModel();
+        await opened;
+    }
+
+    private openView(): void {
+        if (this.stop.signal.aborted) return;
+        try {
+            this.view = new ModelView(this.stage);
+        } catch {
+            this.say("This browser shows no WebGL, so there is no picture. The downloads work without it.");
+            return;
+        }
+        this.view.setShading(this.shading);
+        this.view.setEdges(this.edges);
+        this.view.onMoved = () => this.remember();
+        this.view.onLeftPhotograph = () => this.leavePhotograph();
+        if (this.shared.pose) this.view.setPose(this.shared.pose);
+        if (this.model) this.view.setModel(this.model);
+        this.begin();
     }
 
     dispose(): void {

@@ -8,16 +8,17 @@ import {
     Mesh,
     PerspectiveCamera,
     Scene,
+    Vector2,
     Vector3,
-    WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Model, ProgressiveMesh } from "../client/index.js";
 import { cameraCentre, projectionMatrix, viewMatrix } from "./camera-view.js";
 import type { PinholeCamera, Size } from "./camera-view.js";
+import { acquireDrawing, releaseDrawing } from "./drawing.js";
+import type { Drawing } from "./drawing.js";
 import { MorphGeometry } from "./morph-geometry.js";
-import { newMaterials } from "./shading.js";
 import type { Shading } from "./shading.js";
 
 /** A photograph that is looked through. */
@@ -42,12 +43,13 @@ export class ModelView {
     onMoved: () => void = () => {};
     onLeftPhotograph: () => void = () => {};
 
-    private readonly renderer: WebGLRenderer;
+    private readonly drawing: Drawing = acquireDrawing();
+    private readonly renderer = this.drawing.renderer;
+    private readonly materials = this.drawing.materials;
     private readonly scene = new Scene();
     private readonly placed = new Group();
     private readonly camera = new PerspectiveCamera(fieldOfView, 1, 0.1, 100);
     private readonly throughPhotograph = new Camera();
-    private readonly materials = newMaterials();
     private readonly morphing = new MorphGeometry();
     private readonly edgeGeometry = new BufferGeometry();
     private readonly edges: LineSegments;
@@ -69,6 +71,7 @@ export class ModelView {
     private showsEdges = false;
     private edgesStale = true;
     private heatStale = false;
+    private verticesDrawn = 0;
     private frame = 0;
     private nTicks = 0;
     private ticksSince = performance.now();
@@ -76,7 +79,6 @@ export class ModelView {
 
     /** @throws Error if there is no WebGL */
     constructor(container: HTMLElement) {
-        this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "high-performance" });
         this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
         this.canvas = this.renderer.domElement;
         this.canvas.tabIndex = 0;
@@ -216,11 +218,8 @@ export class ModelView {
         this.controls.dispose();
         this.morphing.dispose();
         this.edgeGeometry.dispose();
-        this.materials.surface.dispose();
-        this.materials.edges.dispose();
-        this.renderer.dispose();
-        this.renderer.forceContextLoss();
-        this.canvas.remove();
+        this.canvas.removeEventListener("keydown", this.onKey);
+        releaseDrawing(this.drawing);
     }
 
     private newControls(): OrbitControls {
@@ -252,7 +251,15 @@ export class ModelView {
         this.materials.setMorph(ease(Math.min((now - this.morphBegan) / this.morphDuration(), 1)));
         if (this.showsEdges && this.edgesStale) this.copyEdges();
         this.renderer.render(this.scene, this.photograph ? this.photographCamera(this.photograph) : this.orbitCamera());
+        this.markDrawn(this.morphing.vertexCount);
     };
+
+    /** For whoever measures: when how many vertices were drawn first. */
+    private markDrawn(vertices: number): void {
+        if (vertices === this.verticesDrawn) return;
+        this.verticesDrawn = vertices;
+        performance.mark("drawn", { detail: vertices });
+    }
 
     private upload(now: number, morphed: number): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
@@ -345,7 +352,8 @@ export class ModelView {
 
     private fitCanvas(container: HTMLElement): void {
         const [width, height] = [Math.max(container.clientWidth, 1), Math.max(container.clientHeight, 1)];
-        this.renderer.setSize(width, height);
+        const had = this.renderer.getSize(new Vector2());
+        if (had.x !== width || had.y !== height) this.renderer.setSize(width, height); // makes new buffers
         const hadAspect = this.camera.aspect;
         this.camera.aspect = width / height;
         this.camera.updateProjectionMatrix();

@@ -61,19 +61,15 @@ void main() {
     gl_FragColor = vec4(ink, 0.34);
 }`;
 
-/** One uniform drives both materials, so that edges stay on the surface. */
-const morph = () => ({ value: 1 });
-
 export interface Materials {
     readonly surface: ShaderMaterial;
     readonly edges: ShaderMaterial;
     setMorph(progress: number): void;
     setShading(shading: Shading): void;
-    setInk(dark: boolean): void;
 }
 
 export function newMaterials(): Materials {
-    const shared = morph();
+    const shared = { value: 1 }; // one uniform of both materials, so that edges stay on the surface
     const surface = new ShaderMaterial({
         vertexShader,
         fragmentShader,
@@ -85,7 +81,7 @@ export function newMaterials(): Materials {
     const edges = new ShaderMaterial({
         vertexShader,
         fragmentShader: edgeFragmentShader,
-        uniforms: { morph: shared, ink: { value: new Color(0, 0, 0) } },
+        uniforms: { morph: shared, ink: { value: new Color(0.03, 0.03, 0.03) } },
         transparent: true,
         depthWrite: false,
     });
@@ -94,6 +90,5 @@ export function newMaterials(): Materials {
         edges,
         setMorph: (progress) => (shared.value = progress),
         setShading: (shading) => (surface.uniforms["shading"].value = shadings.indexOf(shading)),
-        setInk: (dark) => (edges.uniforms["ink"].value as Color).setScalar(dark ? 0.02 : 0.05),
     };
 }

@@ -1,11 +1,12 @@
-import { RequestError, setToken } from "./api.js";
+import { remember, RequestError, setToken } from "./api.js";
 import { checkCapture } from "./capture-check.js";
 import type { CheckedCapture } from "./capture-check.js";
 import { h, icon, icons } from "./dom.js";
 import { bytes, count } from "./format.js";
 import type { Page } from "./page.js";
 import { goTo } from "./page.js";
-import { ZipUploader } from "./uploader.js";
+import { newUploader } from "./uploader.js";
+import type { Uploader } from "./uploader.js";
 import type { NamedFile } from "./zip-file.js";
 
 const shownFaults = 12;
@@ -73,8 +74,8 @@ class UploadPage {
     private offer(capture: CheckedCapture): HTMLElement {
         const what = capture.nImages === undefined ? "A zip" : `${count(capture.nImages)} photographs`;
         const leftOut = capture.nLeftOut > 0 ? `; ${count(capture.nLeftOut)} files that no camera names stay here` : "";
-        const uploader = () => new ZipUploader(capture, Math.min(Math.max(Number(this.vertices.value) || 10_000, 100), 1_000_000));
-        let current: ZipUploader | undefined;
+        const uploader = () => newUploader(capture, Math.min(Math.max(Number(this.vertices.value) || 10_000, 100), 1_000_000));
+        let current: Uploader | undefined;
         const bar = h("span", { class: "fill" });
         const note = h("p", { class: "muted" });
         const trouble = h("p", { class: "trouble", role: "alert" });
@@ -91,6 +92,7 @@ class UploadPage {
                     note.textContent =
                         phase === "packing" ? "Packing…" : `Sending: ${bytes(share * capture.nBytes)} of ${bytes(capture.nBytes)}`;
                 }, this.stop.signal);
+                remember(model);
                 goTo(`/models/${model.id}`);
             } catch (error) {
                 start.disabled = false;
@@ -119,7 +121,7 @@ function faultList({ faults }: CheckedCapture): HTMLElement {
 
 function sentenceOfFailure(error: unknown): string {
     if (error instanceof RequestError) return error.message;
-    if (error instanceof TypeError) return "The connection broke. Nothing is lost: try again.";
+    if (error instanceof TypeError) return "The connection broke. What has arrived is not lost: try again, and the upload goes on.";
     return String(error);
 }
 
