@@ -11,7 +11,7 @@ packages=(
     # proto
     libdraco-dev nlohmann-json3-dev
     # server
-    libcli11-dev libspdlog-dev libsqlite3-dev
+    libcli11-dev libspdlog-dev libsqlite3-dev libssl-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
     doctest-dev curl python3 clang libclang-rt-14-dev llvm
 )

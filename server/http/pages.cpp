@@ -135,6 +135,13 @@ Response readyz(Service& service, const Request&) {
     return text_response("ready\n", "text/plain");
 }
 
+Response show_metrics(Service& service, const Request&) {
+    std::string text = to_prometheus(service.metrics);
+    write_metric(text, "anyrate_free_bytes", "gauge", "Bytes that are free on the disk of the data directory.",
+                 static_cast<double>(service.store.free_bytes()));
+    return text_response(std::move(text), "text/plain; version=0.0.4");
+}
+
 Response openapi(const Request&) { return text_response(std::string(openapi_document()), "application/yaml"); }
 
 }  // namespace anyrate

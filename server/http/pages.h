@@ -10,6 +10,8 @@ Response front_page(Service& service, const Request& request);
 Response viewer_asset(Service& service, const Request& request);
 /// GET /healthz: the process answers.
 Response healthz(const Request& request);
+/// GET /metrics: what the server counts, in the Prometheus text format.
+Response show_metrics(Service& service, const Request& request);
 /// GET /readyz: the catalog answers and the disk has room. @throws HttpProblem 503 saying what is wrong
 Response readyz(Service& service, const Request& request);
 /// GET /openapi.yaml: proto/openapi.yaml as it was built in.

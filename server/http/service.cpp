@@ -3,10 +3,11 @@
 #include <exception>
 #include <utility>
 
-#include "server/http/photograph_handlers.h"
+#include "server/http/capture_handlers.h"
 #include "server/http/log_handlers.h"
 #include "server/http/model_handlers.h"
 #include "server/http/pages.h"
+#include "server/http/photograph_handlers.h"
 #include "server/http/problem.h"
 
 namespace anyrate {
@@ -24,16 +25,28 @@ Router make_router(Service& service) {
         {"GET", "/assets/{name}", with_service(viewer_asset)},
         {"GET", "/healthz", healthz},
         {"GET", "/readyz", with_service(readyz)},
+        {"GET", "/metrics", with_service(show_metrics)},
         {"GET", "/openapi.yaml", openapi},
         {.method = "POST",
          .pattern = "/v1/models",
          .handle = with_service(create_model),
          .takes_upload = true,
          .check = [&service](const Request& request) { check_create_model(service, request); }},
+        {"POST", "/v1/captures", with_service(create_capture)},
+        {"GET", "/v1/captures/{id}", with_service(show_capture)},
+        {"DELETE", "/v1/captures/{id}", with_service(delete_capture)},
+        {.method = "PUT",
+         .pattern = "/v1/captures/{id}/files/{path...}",
+         .handle = with_service(put_capture_file),
+         .takes_upload = true,
+         .check = [&service](const Request& request) { check_put_capture_file(service, request); }},
         {"GET", "/v1/models", with_service(list_models)},
         {"GET", "/v1/models/{id}", with_service(show_model)},
         {"DELETE", "/v1/models/{id}", with_service(delete_model)},
-        {"GET", "/v1/models/{id}/log", with_service(serve_log)},
+        {.method = "GET",
+         .pattern = "/v1/models/{id}/log",
+         .handle = with_service(serve_log),
+         .answer_at_once = [&service](const Request& request) { return serve_hot_log(service, request); }},
         {"GET", "/v1/models/{id}/index", with_service(serve_index)},
         {"GET", "/v1/models/{id}/live", with_service(serve_live)},
         {"GET", "/v1/models/{id}/events", with_service(watch_model)},

@@ -158,6 +158,43 @@ test("openModel: takeChanges() brings a copy up to date, normals too, up and dow
         model.dispose();
     }));
 
+test("openModel: a budget is met also on a machine so slow that every deadline has passed when it is looked at", () =>
+    withServer(icosphere, {}, async (url) => {
+        let now = 0;
+        const platform = { ...options.platform, now: () => (now += 1000) };
+        const model = await openModel(url, { ...options, platform });
+        for (const budget of [mostVertices, 100, 500]) {
+            await model.setBudget({ vertices: budget });
+            assertGolden(model, budget);
+        }
+        model.dispose();
+    }));
+
+test("openModel: a model takes no more memory than it is said to", () =>
+    withServer(icosphere, {}, async (url) => {
+        const model = await openModel(url, options);
+        await model.setBudget({ vertices: mostVertices });
+        const perVertex = arrayBytes(model) / model.mesh!.nVertices;
+        assert.ok(perVertex > 100 && perVertex <= 380, `expected at most 380 bytes a vertex, got ${perVertex}`);
+        model.dispose();
+    }));
+
+/** Of every typed array that an object holds, directly or not; arrays of a fixed small size are not counted. */
+function arrayBytes(root: object): number {
+    const seen = new Set<unknown>();
+    const waiting: unknown[] = [root];
+    let sum = 0;
+    while (waiting.length > 0) {
+        const value = waiting.pop();
+        if (typeof value !== "object" || value === null || seen.has(value)) continue;
+        seen.add(value);
+        if (!ArrayBuffer.isView(value)) waiting.push(...Object.values(value));
+        else if (!seen.has(value.buffer) && value.buffer.byteLength > 2048) sum += value.buffer.byteLength;
+        if (ArrayBuffer.isView(value)) seen.add(value.buffer);
+    }
+    return sum;
+}
+
 /** Of all vertices, from scratch: sums of the faces' cross products. */
 function normalsOf(model: Model): number[] {
     const { positions, triangles, nVertices } = model.mesh!;

@@ -96,17 +96,47 @@ test("Upload: what is wrong is said per file before anything is sent", () =>
         assert.equal(await page.getByText("Upload and reconstruct").count(), 0);
     }));
 
-test("Upload: a folder becomes a model that refines before one's eyes, though its connection is cut", () =>
-    withPage({ expected: [/WebSocket connection to .* failed/] }, async (page) => {
+/** Paths of the files that a page has sent, each as often as it was. */
+function filesSent(page) {
+    const sent = [];
+    page.on("requestfinished", (request) => request.method() === "PUT" && sent.push(new URL(request.url()).pathname));
+    return sent;
+}
+
+async function chooseCapture(page) {
+    await page.goto(`${proxy.url}/?new`);
+    await page.locator("input[webkitdirectory]").setInputFiles(capture);
+    await page.getByText("10 photographs").waitFor();
+    await page.getByLabel("Vertices of the finest mesh").fill(String(nVertices));
+}
+
+/** Of the upload that was left before it was done. */
+let sentBefore = [];
+
+test("Upload: one that is left half-way has sent what it has sent", () =>
+    withPage({}, async (page) => {
+        sentBefore = filesSent(page);
+        let nFiles = 0;
+        await page.route("**/v1/captures/*/files/**", (route) => (++nFiles <= 6 ? route.continue() : undefined));
+        await chooseCapture(page);
+        await page.getByText("Upload and reconstruct").click();
+        await page.waitForRequest(() => nFiles > 6);
+        assert.equal(sentBefore.length, 6);
+    }));
+
+test("Upload: it goes on where it was left, and becomes a model that refines before one's eyes, though its connection is cut", () =>
+    withPage({ expected: [/WebSocket connection to .* failed/, /net::ERR_CONNECTION_RESET/] }, async (page) => {
         const logs = framesOfSockets(page);
-        await page.goto(proxy.url);
-        await page.getByRole("link", { name: "New model" }).first().click();
-        await page.locator("input[webkitdirectory]").setInputFiles(capture);
-        await page.getByText("10 photographs").waitFor();
-        await page.getByLabel("Vertices of the finest mesh").fill(String(nVertices));
+        const sent = filesSent(page);
+        let nBroken = 0;
+        await page.route("**/files/images/**", (route) => (++nBroken === 2 ? route.abort("connectionreset") : route.continue()));
+        await chooseCapture(page);
         proxy.cutLiveAfter = 9000;
         await page.getByText("Upload and reconstruct").click();
         await page.waitForURL(/\/models\/[a-z2-7]{26}/);
+        const all = [...sentBefore, ...sent];
+        assert.equal(new Set(all).size, 21, "cameras, images and masks have arrived");
+        assert.equal(all.length, 21, "and none was sent again, but for the one whose connection broke");
         id = /models\/([a-z2-7]{26})/.exec(page.url())[1];
         await page.evaluate(() => {
             window.shown = new Set();

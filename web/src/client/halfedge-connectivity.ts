@@ -207,6 +207,7 @@ export class HalfedgeConnectivity {
 
     private resize(nVertices: number, nFaces: number): void {
         // All arrays grow before the first journalled write: the journal keeps the arrays.
+        if (3 * nFaces > this.corners.length || nVertices > this.valences.length) this.journal.release();
         this.corners = withRoomFor(3 * nFaces, this.corners);
         this.twins = withRoomFor(3 * nFaces, this.twins);
         this.outgoing = withRoomFor(nVertices, this.outgoing);

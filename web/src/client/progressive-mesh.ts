@@ -59,9 +59,6 @@ export interface ProgressiveMeshOptions {
     readonly keepsHistory?: boolean;
 }
 
-/** Unchanged elements that may lie inside a reported range. */
-const mergedGap = 64;
-
 /**
  * The mesh of a log, refined frame by frame as far as a vertex budget goes, and checked against the state hash of every
  * frame. At any time it is a closed manifold. Draws nothing and fetches nothing.
@@ -222,8 +219,11 @@ export class ProgressiveMesh {
         return true;
     }
 
-    /** What changed since the last call; at the first, all. */
-    takeChanges(): MeshChanges {
+    /**
+     * What changed since the last call; at the first, all.
+     * @param mergedGap ranges with no more than so many unchanged elements between them are told as one
+     */
+    takeChanges(mergedGap = 64): MeshChanges {
         const coloured = { first: this.changedColoursFrom, count: this.nVertices - this.changedColoursFrom };
         this.changedColoursFrom = this.nVertices;
         return {

@@ -368,6 +368,7 @@ export class RefinableMesh {
     }
 
     private resize(nVertices: number): void {
+        if (3 * nVertices > this.positions.length) this.moves.release();
         this.positions = withRoomFor(3 * nVertices, this.positions);
         this.parents = withRoomFor(2 * nVertices, this.parents);
         this.changedVertices.reserve(nVertices);

@@ -32,10 +32,10 @@ export interface SlicedDecoderEvents {
 }
 
 /** Milliseconds of work before other tasks get their turn: with normals and uploads well below a frame of 16 ms. */
-const sliceMilliseconds = 5;
+const sliceMilliseconds = 4;
 /** Vertices replayed between two looks at the clock: well below a millisecond, also before the engine has warmed up. */
 const strideVertices = 24;
-const normalsPerLook = 1500;
+const normalsPerLook = 1000;
 /** Frames that Draco decodes ahead of the replay. */
 const framesAhead = 6;
 const mergedGap = 64;
@@ -44,8 +44,9 @@ const mergedGap = 64;
  * Decodes a log as bytes arrive, Draco in its service and the replay in slices, so that no task is long; up or down to
  * a vertex budget, and no payload before a budget needs it.
  *
- * Memory: at most 310 bytes a vertex of the finest mesh so far (mesh, normals and marks, at up to twice the size that
- * they need; states and records to go back by), and the bytes of the log that wait.
+ * Memory: at most 380 bytes a vertex of the finest mesh so far, and the bytes of the log that wait: 96 of mesh, normals
+ * and marks in arrays of up to twice the size that they need, 79 in each kept state, which together have less than twice
+ * its vertices, 25 of records to go back by.
  */
 export class SlicedDecoder {
     readonly scanner = new LogScanner();
@@ -201,17 +202,18 @@ export class SlicedDecoder {
         this.replayTime += this.platform.now() - begin;
     }
 
-    /** Replays until the deadline. @returns whether there was anything to replay */
+    /** Replays until the deadline, at least one stride. @returns whether there was anything to replay */
     private replay(deadline: number): boolean {
         const mesh = this.meshRead;
         if (!mesh) return false;
         const begin = this.platform.now();
         const nBefore = mesh.nVertices;
-        let now = begin;
-        for (let n = -1; n !== mesh.nVertices && now < deadline; now = this.platform.now()) {
+        let [n, now] = [nBefore, begin];
+        do {
             n = mesh.nVertices;
             mesh.setMaxVertices(Math.min(n + strideVertices, this.maxVertices));
-        }
+            now = this.platform.now();
+        } while (mesh.nVertices > n && now < deadline);
         this.replayTime += now - begin;
         return mesh.nVertices > nBefore;
     }
@@ -219,7 +221,7 @@ export class SlicedDecoder {
     private async publish(): Promise<void> {
         const mesh = this.meshRead;
         if (!mesh) return;
-        const changes = mesh.takeChanges();
+        const changes = mesh.takeChanges(0);
         const { vertices, faces, colours } = this.changed;
         for (const range of changes.vertices) vertices.markRange(range);
         for (const range of changes.faces) faces.markRange(range);

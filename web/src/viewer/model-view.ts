@@ -240,12 +240,11 @@ export class ModelView {
         const morphed = (now - this.morphBegan) / this.morphDuration();
         if (this.pending && now - this.morphBegan >= Math.min(leastMorphMilliseconds, this.morphDuration())) {
             this.upload(now, morphed);
-        }
-        if (now - this.morphBegan < this.morphDuration() + 50) this.dirty = true;
-        if (this.heatStale && !this.pending && this.mesh) {
+        } else if (this.heatStale && !this.pending && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
+        if (now - this.morphBegan < this.morphDuration() + 50) this.dirty = true;
         if (!this.dirty || !this.mesh) return;
         this.dirty = false;
         this.materials.setMorph(ease(Math.min((now - this.morphBegan) / this.morphDuration(), 1)));
