@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/error.h"
 
@@ -49,11 +50,22 @@ json to_json(const JobDone&) { return {{"type", "done"}}; }
 
 json to_json(const JobStopped&) { return {{"type", "stopped"}}; }
 
+/// A whole number that an Integer can hold: to convert any other is undefined.
+template <class Integer>
+Integer whole(const json& object, const char* key) {
+    const json& value = object.at(key);
+    const bool fits = value.is_number_unsigned()
+                          ? std::in_range<Integer>(value.get<std::uint64_t>())
+                          : value.is_number_integer() && std::in_range<Integer>(value.get<std::int64_t>());
+    if (!fits) throw DecodeError(std::string("worker message: ") + key + " is no whole number in range");
+    return value.get<Integer>();
+}
+
 JobProgress progress_from(const json& object) {
     JobProgress progress{.stage = object.at("stage"),
                          .fraction = object.at("fraction"),
-                         .n_vertices = object.at("vertices"),
-                         .n_bytes = object.at("bytes"),
+                         .n_vertices = whole<std::uint32_t>(object, "vertices"),
+                         .n_bytes = whole<std::uint64_t>(object, "bytes"),
                          .psi = std::nullopt,
                          .seconds_left = std::nullopt};
     if (object.contains("psi")) progress.psi = object.at("psi").get<double>();
@@ -65,11 +77,11 @@ WorkerMessage from_json(const json& object) {
     const std::string type = object.at("type");
     if (type == "progress") return progress_from(object);
     if (type == "rate")
-        return RatePoint{.n_vertices = object.at("vertices"),
-                         .n_bytes = object.at("bytes"),
+        return RatePoint{.n_vertices = whole<std::uint32_t>(object, "vertices"),
+                         .n_bytes = whole<std::uint64_t>(object, "bytes"),
                          .psi = object.at("psi"),
                          .seconds = object.at("seconds")};
-    if (type == "begun") return JobBegun{object.at("bytes")};
+    if (type == "begun") return JobBegun{whole<std::uint64_t>(object, "bytes")};
     if (type == "failed") return JobFailed{.error = object.at("error"), .cause = cause_from(object.at("cause"))};
     if (type == "done") return JobDone{};
     if (type == "stopped") return JobStopped{};
