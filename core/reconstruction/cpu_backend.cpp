@@ -126,7 +126,7 @@ private:
             const TriangleView& view = views[i];
             if (view.whole) continue;
             LanesInView& s = samples[i];
-            for (int lane = 0; lane < 8; ++lane) {
+            for (std::size_t lane = 0; lane < n_lanes; ++lane) {
                 if (s.seen[lane] == 0) continue;
                 const float x = (static_cast<float>(view.x) + s.x[lane] + 0.5F) * scale - 0.5F;
                 const float y = (static_cast<float>(view.y) + s.y[lane] + 0.5F) * scale - 0.5F;

@@ -12,8 +12,6 @@
 namespace anyrate {
 namespace {
 
-constexpr std::size_t n_lanes = 8;
-
 std::vector<SampleLanes> make_lanes(int M) {
     const std::span<const LatticeSample> samples = lattice(M);
     std::vector<SampleLanes> groups((samples.size() + n_lanes - 1) / n_lanes, SampleLanes{});
