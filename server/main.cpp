@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     anyrate::add_simulate(app, command);
     anyrate::add_serve(app, command);
     anyrate::add_worker(app, command);
+    anyrate::add_token(app, command);
     anyrate::add_push(app, command);
     anyrate::add_fetch(app, command);
     anyrate::add_encode_mesh(app, command);

@@ -16,15 +16,19 @@ SchedulerOptions JobOptions::scheduler() const {
 
 void add_job_options(CLI::App& app, JobOptions& options) {
     app.add_option("--workers", options.n_workers, "reconstructions at a time")
+        ->envname("ANYRATE_WORKERS")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     app.add_option("--worker-memory", options.worker_memory_mb, "MB a worker may use; 0 for no limit")
+        ->envname("ANYRATE_WORKER_MEMORY")
         ->capture_default_str();
     app.add_option("--job-minutes", options.job_minutes, "after which an attempt at a model is given up, and the model")
+        ->envname("ANYRATE_JOB_MINUTES")
         ->check(CLI::Range(0.001, 1e6))
         ->capture_default_str();
     app.add_option("--max-attempts", options.max_attempts,
                    "in a row that get a model no further because its worker dies; then it fails")
+        ->envname("ANYRATE_MAX_ATTEMPTS")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     add_keep_options(app, options.keep_days, options.keep_mb);

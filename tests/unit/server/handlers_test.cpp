@@ -22,9 +22,15 @@ struct Fixture {
     TemporaryFolder folder;
     ModelStore store{folder.path()};
     SqliteCatalog catalog{store.catalog_file()};
+    CaptureStore captures{folder.path()};
+    HotLogs hot_logs;
+    Metrics metrics;
     int n_queued = 0;
     Service service{.catalog = catalog,
                     .store = store,
+                    .captures = captures,
+                    .hot_logs = hot_logs,
+                    .metrics = metrics,
                     .on_queued = [this] { ++n_queued; },
                     .on_removed = [](const std::string&) {},
                     .min_free_bytes = 0};
