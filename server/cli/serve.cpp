@@ -47,7 +47,7 @@ WorkerCommand worker_command(const ServeCommand& request) {
         return {program,      "worker",
                 "--data",     data,
                 "--model",    model.id,
-                "--attempt",  std::to_string(model.attempts),
+                "--epoch",    std::to_string(model.epoch),
                 "--vertices", std::to_string(model.options.n_vertices),
                 "--coarse",   std::to_string(model.options.n_coarse),
                 "--memory",   memory,
