@@ -15,7 +15,7 @@ packages=(
     # server
     libcli11-dev libspdlog-dev libsqlite3-dev libseccomp-dev libssl-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
-    doctest-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm zzuf fiu-utils libfiu0
+    doctest-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm zzuf
 )
 
 # The libraries of the binary itself (tests/docker_test.py compares); theirs follow.

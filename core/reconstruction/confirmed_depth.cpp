@@ -35,7 +35,47 @@ bool look_from_near(const DepthView& a, const DepthView& b, const Vec3& point, d
     return dot > 0 && dot * dot >= least_cos * least_cos * to_a.squaredNorm() * to_b.squaredNorm();
 }
 
+// Around every point that any map knows.
+struct Sphere {
+    Vec3 centre = Vec3::Zero();
+    double radius = 0;
+};
+
+Sphere object_of(std::span<const DepthView> views) {
+    std::vector<Eigen::AlignedBox3d> boxes(views.size());
+    parallel_for(
+        views.size(),
+        [&](std::size_t i) {
+            const Image<float>& depths = views[i].map->inverse_depth;
+            for (int y = 0; y < depths.height; ++y)
+                for (int x = 0; x < depths.width; ++x)
+                    if (depths(x, y) > 0) boxes[i].extend(views[i].to_world(x, y, depths(x, y)));
+        },
+        1);
+    Eigen::AlignedBox3d all;
+    for (const Eigen::AlignedBox3d& box : boxes) all.extend(box);
+    if (all.isEmpty()) return {};
+    return {all.center(), 0.5 * all.diagonal().norm()};
+}
+
 enum class Finding { nothing, confirms, contradicts };
+
+// The views of which some point of the object may look_from_near() with `own`. Seen from a point, two cameras differ in
+// direction by no more than seen from the object's middle and the angles by which the point is off the middle in both.
+std::vector<const DepthView*> views_near(std::span<const DepthView> views, const DepthView& own, const Sphere& object,
+                                         double max_angle_rad) {
+    const auto off_middle = [&](const DepthView& view) {
+        const double distance = (view.centre - object.centre).norm();
+        return distance > object.radius ? std::asin(object.radius / distance) : std::numbers::pi;
+    };
+    std::vector<const DepthView*> near;
+    for (const DepthView& other : views) {
+        const Vec3 a = own.centre - object.centre, b = other.centre - object.centre;
+        const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+        if (&other != &own && angle <= max_angle_rad + off_middle(own) + off_middle(other)) near.push_back(&other);
+    }
+    return near;
+}
 
 // What a map says of a point, from the four pixels around it: on a slanted surface their depths differ by more than the
 // tolerance, so one is enough to confirm; to see through the point takes all that are known, at least three. A map that
@@ -59,43 +99,44 @@ Finding find(const DepthMap& map, const Vec3& point, const ConfirmOptions& optio
 }
 
 // At every pixel of a map: how many other views have a point there that the map sees through.
-Image<std::uint16_t> count_seen_through(std::span<const DepthView> views, const DepthView& own, double least_cos,
-                                        const ConfirmOptions& options) {
+Image<std::uint16_t> count_seen_through(std::span<const DepthView* const> others, const DepthView& own,
+                                        double least_cos, const ConfirmOptions& options) {
     const Image<float>& known = own.map->inverse_depth;
     Image<std::uint16_t> count(known.width, known.height, 0);
     Image<const DepthView*> last(known.width, known.height, nullptr);  // that was counted at a pixel
-    for (const DepthView& other : views) {
-        if (other.map == own.map) continue;
-        const Image<float>& depths = other.map->inverse_depth;
+    for (const DepthView* const other : others) {
+        const Image<float>& depths = other->map->inverse_depth;
         for (int y = 0; y < depths.height; ++y)
             for (int x = 0; x < depths.width; ++x) {
                 if (!(depths(x, y) > 0)) continue;
-                const Vec3 point = other.to_world(x, y, depths(x, y));
-                if (!look_from_near(own, other, point, least_cos)) continue;
+                const Vec3 point = other->to_world(x, y, depths(x, y));
+                if (!look_from_near(own, *other, point, least_cos)) continue;
                 const Vec3 p = own.map->P * point.homogeneous();
                 const double u = p.x() / p.z() + 0.5, v = p.y() / p.z() + 0.5;
                 if (!(p.z() > 0 && u >= 0 && v >= 0 && u < known.width && v < known.height)) continue;
                 const int px = static_cast<int>(u), py = static_cast<int>(v);
                 const double inverse_depth = known(px, py);
-                if (!(inverse_depth > 0) || last(px, py) == &other) continue;
+                if (!(inverse_depth > 0) || last(px, py) == other) continue;
                 if ((1.0 / p.z() - inverse_depth) / own.map->step <= options.conflict_px) continue;
-                last(px, py) = &other;
+                last(px, py) = other;
                 ++count(px, py);
             }
     }
     return count;
 }
 
-DepthMap confirm(std::span<const DepthView> views, const DepthView& own, const ConfirmOptions& options) {
-    const double least_cos = std::cos(options.max_angle_deg * std::numbers::pi / 180.0);
-    const auto n_seen_through = count_seen_through(views, own, least_cos, options);
+DepthMap confirm(std::span<const DepthView> views, const DepthView& own, const Sphere& object,
+                 const ConfirmOptions& options) {
+    const double max_angle_rad = options.max_angle_deg * std::numbers::pi / 180.0, least_cos = std::cos(max_angle_rad);
+    const std::vector<const DepthView*> others = views_near(views, own, object, max_angle_rad);
+    const auto n_seen_through = count_seen_through(others, own, least_cos, options);
     const auto is_confirmed = [&](int x, int y) {
         if (!(own.map->agreement(x, y) >= options.least_agreement)) return false;
         const Vec3 point = own.to_world(x, y, own.map->inverse_depth(x, y));
         int n_confirm = 0, n_contradict = n_seen_through(x, y);
-        for (const DepthView& other : views) {
-            if (other.map == own.map || !look_from_near(own, other, point, least_cos)) continue;
-            const Finding finding = find(*other.map, point, options);
+        for (const DepthView* const other : others) {
+            if (!look_from_near(own, *other, point, least_cos)) continue;
+            const Finding finding = find(*other->map, point, options);
             n_confirm += finding == Finding::confirms;
             n_contradict += finding == Finding::contradicts;
         }
@@ -120,9 +161,10 @@ std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const Confi
             views.emplace_back(maps[i]);
             swept.push_back(i);
         }
+    const Sphere object = object_of(views);
     std::vector<DepthMap> confirmed(maps.begin(), maps.end());
     parallel_for(
-        views.size(), [&](std::size_t i) { confirmed[swept[i]] = confirm(views, views[i], options); }, 1);
+        views.size(), [&](std::size_t i) { confirmed[swept[i]] = confirm(views, views[i], object, options); }, 1);
     return confirmed;
 }
 

@@ -20,23 +20,23 @@ Float4 load(const float* from) {
 }
 void store(const Float4& v, float* to) { std::memcpy(to, &v, sizeof v); }
 
-// A function that is linear on the screen, by its value at a pixel and its slopes.
+// A function that is linear on the screen and 0 at the origin: its values at the pixels of a group, and how they change
+// from group to group and from row to row.
 struct Linear {
-    double value, dx, dy;
+    float dx, dy;
+    Float4 within;  ///< a group, from its first pixel
 
-    Float4 along_row(double x, double y) const {
-        const auto first = static_cast<float>(value + dx * x + dy * y), step = static_cast<float>(dx);
-        return Float4{first, first + step, first + 2 * step, first + 3 * step};
-    }
+    Linear(float along_x, float along_y) : dx(along_x), dy(along_y), within{0, along_x, 2 * along_x, 3 * along_x} {}
+    Float4 at(float x, float y) const { return within + (dx * x + dy * y); }
 };
 
 // The largest of the image and the triangle. Pixels are visited in groups of four along the rows of the bounding box;
 // what a group has beyond the triangle keeps its value.
 void rasterise(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, Image<float>& inverse_depth) {
     if (!(a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0)) return;
-    const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
+    const float bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
     // Counter-clockwise from outside is clockwise in an image whose y runs down.
-    const double area = bx * cy - by * cx;
+    const float area = bx * cy - by * cx;
     if (!(area < 0)) return;
     const auto [x_min, x_max] = std::minmax({a.x, b.x, c.x});
     const auto [y_min, y_max] = std::minmax({a.y, b.y, c.y});
@@ -49,19 +49,22 @@ void rasterise(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex&
     if (i0 > i1) return;
 
     // Barycentric coordinates of b and c and the inverse depth, from a.
-    const Linear u{0, cy / area, -cx / area}, v{0, -by / area, bx / area};
-    const double db = b.inverse_depth - a.inverse_depth, dc = c.inverse_depth - a.inverse_depth;
-    const Linear z{a.inverse_depth, u.dx * db + v.dx * dc, u.dy * db + v.dy * dc};
-    for (int j = j0; j <= j1; ++j)
+    const float per_area = 1 / area;
+    const Linear u(cy * per_area, -cx * per_area), v(-by * per_area, bx * per_area);
+    const float db = b.inverse_depth - a.inverse_depth, dc = c.inverse_depth - a.inverse_depth;
+    const Linear z(u.dx * db + v.dx * dc, u.dy * db + v.dy * dc);
+    for (int j = j0; j <= j1; ++j) {
+        const float y = static_cast<float>(j) - a.y;
         for (int group = i0; group <= i1; group += lanes) {
             const int i = std::min(group, w - lanes);
-            const double x = i - static_cast<double>(a.x), y = j - static_cast<double>(a.y);
-            const Float4 in_b = u.along_row(x, y), in_c = v.along_row(x, y), depth = z.along_row(x, y);
+            const float x = static_cast<float>(i) - a.x;
+            const Float4 in_b = u.at(x, y), in_c = v.at(x, y), depth = a.inverse_depth + z.at(x, y);
             float* pixels = &inverse_depth(i, j);
             const Float4 before = load(pixels);
             const auto is_nearer = (in_b >= 0) & (in_c >= 0) & (in_b + in_c <= 1) & (depth > before);
             store(is_nearer ? depth : before, pixels);
         }
+    }
 }
 
 }  // namespace

@@ -32,6 +32,13 @@ std::size_t hessian_slot(std::size_t a, std::size_t b) {
     return a + b == 1 ? 3 : a + b == 3 ? 4 : 5;
 }
 
+/// Where each of `n` things stands in an ascending list of some of them, -1 where it does not.
+std::vector<std::int32_t> inverse_of(std::span<const std::int32_t> list, std::size_t n) {
+    std::vector<std::int32_t> place(n, -1);
+    for (std::size_t i = 0; i < list.size(); ++i) place[at(list[i])] = static_cast<std::int32_t>(i);
+    return place;
+}
+
 }  // namespace
 
 std::vector<double> umbrellas(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
@@ -47,51 +54,50 @@ NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRing
                                        std::span<const std::int32_t> active, std::span<const std::int32_t> faces,
                                        std::span<const TriangleTerms> terms,
                                        std::span<const SilhouetteTerm> silhouettes, const Regularity& regularity)
-    : n_(active.size()), bending_weight_(regularity.bending) {
-    std::vector<std::int32_t> active_index(surface.vertices.size(), -1);
-    for (std::size_t i = 0; i < n_; ++i) active_index[at(active[i])] = static_cast<std::int32_t>(i);
-
-    gradient_.assign(n_, 0.0);
-    own_hessian_.assign(n_, 0.0);
-    diagonal_.assign(n_, 0.0);
-    face_active_.resize(faces.size());
-    face_hessian_.resize(faces.size());
-    vertex_faces_.resize(n_);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        face_hessian_[f] = terms[f].hessian;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const std::int32_t i = active_index[at(surface.triangles[at(faces[f])][a])];
-            face_active_[f][a] = i;
-            if (i < 0) continue;
-            vertex_faces_[at(i)].emplace_back(static_cast<std::int32_t>(f), static_cast<std::int32_t>(a));
-            gradient_[at(i)] += terms[f].gradient[a];
-            diagonal_[at(i)] += terms[f].hessian[a];
-        }
-    }
+    : n_(active.size()), bending_weight_(regularity.bending), begin_(n_ + 1, 0), gradient_(n_), diagonal_(n_) {
+    const std::vector<std::int32_t> active_index = inverse_of(active, surface.vertices.size());
+    const std::vector<std::int32_t> face_slot = inverse_of(faces, surface.triangles.size());
     for (std::size_t i = 0; i < n_; ++i) {
-        const double w = regularity.silhouette[i];
-        gradient_[i] += w * silhouettes[i].gradient;
-        own_hessian_[i] = w * silhouettes[i].hessian;
-        diagonal_[i] += own_hessian_[i];
+        const auto ring = rings.neighbours(active[i]);
+        const auto n_active = std::ranges::count_if(ring, [&](std::int32_t w) { return active_index[at(w)] >= 0; });
+        begin_[i + 1] = begin_[i] + 1 + static_cast<std::size_t>(n_active);
     }
-
-    umbrellas_.resize(n_);
-    vertex_umbrellas_.resize(n_);
-    for (std::size_t i = 0; i < n_; ++i) {
+    entries_.resize(begin_.back());
+    std::vector<double> bent(n_);
+    parallel_for(n_, [&](std::size_t i) {
         const std::int32_t v = active[i];
+        const std::span<Entry> own(entries_.data() + begin_[i], begin_[i + 1] - begin_[i]);
         const auto ring = rings.neighbours(v);
-        Umbrella& u = umbrellas_[i];
-        u.value = umbrella(surface, rings, v).dot(normals[at(v)]) - regularity.rest[i];
-        u.coefficients.emplace_back(static_cast<std::int32_t>(i), -1.0);
-        for (std::int32_t w : ring)
-            if (const std::int32_t j = active_index[at(w)]; j >= 0)
-                u.coefficients.emplace_back(j, normals[at(v)].dot(normals[at(w)]) / static_cast<double>(ring.size()));
-        for (const auto& [j, c] : u.coefficients) {
-            gradient_[at(j)] += 2 * bending_weight_ * u.value * c;
-            diagonal_[at(j)] += 2 * bending_weight_ * c * c;
-            vertex_umbrellas_[at(j)].emplace_back(static_cast<std::int32_t>(i), c);
+        bent[i] = umbrella(surface, rings, v).dot(normals[at(v)]) - regularity.rest[i];
+        own[0] = {static_cast<std::int32_t>(i), 0, -1, -1};
+        std::size_t n = 1;
+        for (std::int32_t w : ring) {
+            if (active_index[at(w)] < 0) continue;
+            const double cosine = normals[at(v)].dot(normals[at(w)]);
+            own[n++] = {active_index[at(w)], 0, cosine / static_cast<double>(ring.size()),
+                        cosine / static_cast<double>(rings.valence(w))};
         }
-    }
+        for (std::int32_t face : rings.faces(v)) {
+            if (face_slot[at(face)] < 0) continue;
+            const Triangle& t = surface.triangles[at(face)];
+            const TriangleTerms& of_face = terms[at(face_slot[at(face)])];
+            const auto corner = static_cast<std::size_t>(std::ranges::find(t, v) - t.begin());
+            gradient_[i] += of_face.gradient[corner];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto entry = std::ranges::find(own, active_index[at(t[k])], &Entry::vertex);
+                if (entry != own.end()) entry->hessian += of_face.hessian[hessian_slot(corner, k)];
+            }
+        }
+        gradient_[i] += regularity.silhouette[i] * silhouettes[i].gradient;
+        own[0].hessian += regularity.silhouette[i] * silhouettes[i].hessian;
+    });
+    parallel_for(n_, [&](std::size_t i) {
+        diagonal_[i] = row(i).front().hessian;
+        for (const Entry& e : row(i)) {
+            gradient_[i] += 2 * bending_weight_ * bent[at(e.vertex)] * e.transpose;
+            diagonal_[i] += 2 * bending_weight_ * e.transpose * e.transpose;
+        }
+    });
 }
 
 std::vector<double> NormalDisplacement::apply(std::span<const double> u, double damping) const {
@@ -99,21 +105,21 @@ std::vector<double> NormalDisplacement::apply(std::span<const double> u, double 
     parallel_for(
         n_,
         [&](std::size_t i) {
-            double sum = 0;
-            for (const auto& [j, c] : umbrellas_[i].coefficients) sum += c * u[at(j)];
-            bent[i] = sum;
+            double umbrella = 0, hessian = damping * diagonal_[i] * u[i];
+            for (const Entry& e : row(i)) {
+                umbrella += e.umbrella * u[at(e.vertex)];
+                hessian += e.hessian * u[at(e.vertex)];
+            }
+            bent[i] = umbrella;
+            out[i] = hessian;
         },
         512);
     parallel_for(
         n_,
         [&](std::size_t i) {
-            double sum = own_hessian_[i] * u[i] + damping * diagonal_[i] * u[i];
-            for (const auto& [f, a] : vertex_faces_[i])
-                for (std::size_t b = 0; b < 3; ++b)
-                    if (const std::int32_t j = face_active_[at(f)][b]; j >= 0)
-                        sum += face_hessian_[at(f)][hessian_slot(at(a), b)] * u[at(j)];
-            for (const auto& [row, c] : vertex_umbrellas_[i]) sum += 2 * bending_weight_ * c * bent[at(row)];
-            out[i] = sum;
+            double sum = 0;
+            for (const Entry& e : row(i)) sum += e.transpose * bent[at(e.vertex)];
+            out[i] += 2 * bending_weight_ * sum;
         },
         512);
     return out;

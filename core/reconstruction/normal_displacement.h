@@ -13,15 +13,10 @@ namespace anyrate {
 ///
 ///     E(u) = E(0) + g u + 1/2 u (H + damping D) u
 ///
-/// H is never formed: it is applied triangle by triangle and ring by ring, every sum in index order.
+/// A vertex's row of H but for bending holds itself and its ring; bending, which reaches two rings far, is the product
+/// of two such rows. Every sum is taken in index order.
 class NormalDisplacement {
 public:
-    struct Weights {
-        double bending =
-            0.05;  ///< of a vertex's squared umbrella along its normal, in parts of the mean data curvature
-        double silhouette = 30.0;  ///< of a squared pixel, per pixel of contour; squared 8-bit colour units
-    };
-
     /// What the regularising terms weigh, and the shape at which they rest.
     struct Regularity {
         double bending = 0;                  ///< of a squared umbrella, squared colour units per squared world unit
@@ -44,18 +39,19 @@ public:
 private:
     std::vector<double> apply(std::span<const double> u, double damping) const;
 
-    struct Umbrella {                                               ///< n_v . (mean of the ring - x_v), linear in u
-        std::vector<std::pair<std::int32_t, double>> coefficients;  ///< active index, derivative
-        double value = 0;                                           ///< at u = 0, less the rest value
+    /// What the displacement of `vertex` does to the row's own vertex, and the other way round.
+    struct Entry {
+        std::int32_t vertex = 0;             ///< active index
+        double hessian = 0;                  ///< of photo-consistency and silhouettes
+        double umbrella = 0, transpose = 0;  ///< derivative of the row's umbrella by it, of its umbrella by the row's
     };
+    std::span<const Entry> row(std::size_t i) const { return {entries_.data() + begin_[i], begin_[i + 1] - begin_[i]}; }
+
     std::size_t n_;
     double bending_weight_;
-    std::vector<std::array<std::int32_t, 3>> face_active_;  ///< active index of each corner, -1 for a fixed one
-    std::vector<std::array<double, 6>> face_hessian_;
-    std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> vertex_faces_;  ///< per active: (face slot, corner)
-    std::vector<Umbrella> umbrellas_;                                               ///< per active
-    std::vector<std::vector<std::pair<std::int32_t, double>>> vertex_umbrellas_;    ///< transpose
-    std::vector<double> gradient_, own_hessian_, diagonal_;
+    std::vector<std::size_t> begin_;  ///< of each active vertex's row
+    std::vector<Entry> entries_;      ///< a row's own vertex first
+    std::vector<double> gradient_, diagonal_;
 };
 
 /// Umbrella along the normal, n_v . (mean of the ring - x_v), of each listed vertex, world units.

@@ -28,6 +28,7 @@ namespace anyrate {
 namespace {
 
 constexpr auto drain_patience = std::chrono::seconds(20);
+constexpr auto housekeeping_interval = std::chrono::seconds(10);
 
 tcp::endpoint endpoint_of(const ServerOptions& options) {
     ErrorCode error;
@@ -231,6 +232,8 @@ struct Server::State {
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
     std::optional<Scheduler> scheduler{std::in_place,          catalog,        events,
                                        options.worker_command, counted_jobs(), options.log};
+    Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
+                            options.log};
 };
 
 Server::Server(ServerOptions options) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/http/access_record.h"
+#include "server/jobs/housekeeping.h"
 #include "server/jobs/scheduler.h"
 
 namespace anyrate {
@@ -26,6 +27,7 @@ struct ServerOptions {
     std::size_t max_connections = 10'000;
     int n_network_threads = 2;
     SchedulerOptions jobs = {};
+    KeepRule keep = {};  ///< of finished models
     WorkerCommand worker_command;
     LogLine log;
     std::function<void(const AccessRecord&)> log_access = {};  ///< takes requests; empty for none

@@ -41,12 +41,20 @@ void TimeLeft::reach(std::string_view stage, double fraction, double seconds) {
     }
     // A worker that goes on with a log leaps from the end of its load far into the job.
     if (stage == "refine" && stage_ == "load") leapt_ = work - shares[0].part;
+    if (stage != stage_) {
+        stage_begun_ = seconds;
+        stage_begun_at_ = fraction;
+    }
     stage_ = stage;
+    fraction_ = fraction;
     done_ = work;
     elapsed_ = seconds;
 }
 
 std::optional<double> TimeLeft::seconds() const {
+    // The last long stage knows its own speed best.
+    if (stage_ == "refine" && fraction_ - stage_begun_at_ > 0.1)
+        return (elapsed_ - stage_begun_) * std::max(0.0, 1 - fraction_) / (fraction_ - stage_begun_at_);
     const double made = done_ - leapt_;
     if (made < least_done) return std::nullopt;
     double whole = 0;

@@ -19,9 +19,11 @@ public:
 private:
     double growth_;
     std::string stage_;
-    double done_ = 0;     ///< work, in parts of a usual job
-    double leapt_ = 0;    ///< of it, what an earlier worker has done
-    double elapsed_ = 0;  ///< seconds
+    double fraction_ = 0;                          ///< of the stage
+    double stage_begun_ = 0, stage_begun_at_ = 0;  ///< seconds, and the fraction of it then
+    double done_ = 0;                              ///< work, in parts of a usual job
+    double leapt_ = 0;                             ///< of it, what an earlier worker has done
+    double elapsed_ = 0;                           ///< seconds
 };
 
 }  // namespace anyrate

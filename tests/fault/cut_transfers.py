@@ -29,15 +29,20 @@ def cut_download(server, model, log, random):
 
 def cut_stream(harness, server, model, random):
     """Follows a live log over WebSockets that are cut. @return (bytes, whether a frame came twice)"""
-    got, sequence, twice = b"", 0, False
+    got, sequence, twice, log_id = b"", 0, False, None
     while True:
         stream = harness.WebSocket(server, f"/v1/models/{model}/live" + (f"?from={sequence}" if sequence else ""))
+        if sequence == 0:
+            got = b""  # cut before the first frame: the header comes again
         n_messages = random.randint(1, 6)
         for _ in range(n_messages):
             kind, payload = stream.read()
             if kind == "close":
                 return got, twice
             if kind == "text":
+                hello = json.loads(payload)
+                if hello.get("type") == "hello" and hello["log_id"] != log_id:  # what was there was a preview
+                    log_id, got, sequence = hello["log_id"], b"", 0
                 continue
             if sequence == 0 and not got:
                 got += payload  # the header
