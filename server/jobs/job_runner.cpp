@@ -5,6 +5,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "core/capture/load_capture.h"
@@ -16,6 +17,8 @@
 
 namespace anyrate {
 namespace {
+
+constexpr const char* out_of_memory = "the reconstruction needs more memory than a worker may use";
 
 using Report = std::function<void(const WorkerMessage&)>;
 
@@ -196,7 +199,10 @@ void run_job(const Job& job, const JobSteps& steps, LogStore& store, const Repor
         } catch (const IoError& error) {
             return JobFailed{.error = error.what(), .cause = FailureCause::machine};
         } catch (const std::bad_alloc&) {
-            return JobFailed{.error = "the reconstruction needs more memory than a worker may use"};
+            return JobFailed{.error = out_of_memory};
+        } catch (const std::system_error& error) {  // a thread found no room for its stack
+            const bool is_memory = error.code() == std::errc::resource_unavailable_try_again;
+            return JobFailed{.error = is_memory ? out_of_memory : error.what()};
         } catch (const std::exception& error) {
             return JobFailed{.error = error.what()};
         }

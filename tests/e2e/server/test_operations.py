@@ -51,7 +51,7 @@ class Operations(ServerTest):
 
 
 class Limits(ServerTest):
-    server_options = ("--worker-memory", "64")
+    server_options = ("--worker-memory", "40")
 
     def test_a_job_that_needs_more_memory_than_allowed_fails_with_a_sentence_and_harms_nobody(self):
         model_id = self.make_model(JOB)

@@ -3,8 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/error.h"
@@ -109,7 +111,9 @@ TEST_CASE("Job: a bad capture fails with its sentence, a failing machine asks fo
           JobFailed{"cameras.json: missing", FailureCause::capture});
     CHECK(Fixture().failure(IoError("cable")) == JobFailed{"cable", FailureCause::machine});
     CHECK(Fixture().failure(DiskFull("disk")) == JobFailed{"disk", FailureCause::no_room});
-    CHECK(Fixture().failure(std::bad_alloc()).cause == FailureCause::capture);
+    const JobFailed no_memory = Fixture().failure(std::bad_alloc());
+    CHECK(no_memory.cause == FailureCause::capture);
+    CHECK(Fixture().failure(std::system_error(EAGAIN, std::generic_category())) == no_memory);  // no stack for a thread
 }
 
 TEST_CASE("Job: one that is stopped leaves no sealed log, and goes on later") {
