@@ -40,9 +40,12 @@ int main(int argc, char** argv) {
     anyrate::add_simulate(app, command);
     anyrate::add_serve(app, command);
     anyrate::add_worker(app, command);
+    anyrate::add_token(app, command);
     anyrate::add_push(app, command);
     anyrate::add_fetch(app, command);
     anyrate::add_encode_mesh(app, command);
+    anyrate::add_gc(app, command);
+    anyrate::add_backup(app, command);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

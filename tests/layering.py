@@ -30,9 +30,12 @@ THIRD_PARTIES = {
     r"opencv2/": ["core/capture/image_io.cpp"],
     r"OpenMesh/": ["core/mesh/surface.h", "core/mesh/decimate.cpp"],
     r"nlohmann/": ["core/capture/cameras_json.cpp", "core/mesh/glb.cpp", "server/*.cpp"],
-    r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/client/zip_folder.cpp"],
+    r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/store/zip_writer.cpp"],
     r"sqlite3\.h": ["server/store/sqlite_catalog.cpp"],
+    r"seccomp\.h": ["server/jobs/sandbox.cpp"],
     r"boost/": ["server/http/*", "server/client/*.cpp"],
+    r"spdlog/": ["server/cli/server_log.cpp"],
+    r"openssl/": ["server/store/sha256.cpp"],
     r"CLI/": ["server/main.cpp", "server/cli/*.cpp"],
 }
 

@@ -1,4 +1,6 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -25,6 +27,12 @@ struct FetchCommand {
     BudgetOptions budget;
     bool live = false;
     std::optional<std::filesystem::path> trace;
+    std::uint64_t bytes_per_second = 0;
+    int latency_ms = 0;
+
+    LinkOptions link() const {
+        return {.bytes_per_second = bytes_per_second, .latency = std::chrono::milliseconds(latency_ms)};
+    }
 };
 
 bool has_budget(const BudgetOptions& budget) { return budget.n_vertices || budget.n_bytes || budget.distortion; }
@@ -38,7 +46,7 @@ FetchedLog fetch_once(const FetchCommand& request, HttpClient& client, const Url
 FetchedLog fetch_live(const FetchCommand& request, HttpClient& client, const Url& url, ArrivalTrace& trace) {
     if (request.budget.n_bytes || request.budget.distortion)
         throw InputError("--live takes --vertices, no other budget: sizes and distortions are not known ahead");
-    LiveOptions options;
+    LiveOptions options{.link = request.link()};
     if (request.budget.n_vertices) options.max_vertices = *request.budget.n_vertices;
     FetchedLog fetched{.bytes = follow_live(url, url.target, options, trace), .rows = {}, .frames_begin = 0};
     const LogLayout layout = read_layout(fetched.bytes);
@@ -63,7 +71,7 @@ void write_decoded(const FetchCommand& request, const FetchedLog& fetched) {
 
 int fetch(const FetchCommand& request) {
     const Url url = parse_url(request.url);
-    HttpClient client(url);
+    HttpClient client(url, std::chrono::seconds(30), request.link());
     ArrivalTrace trace;
     const FetchedLog fetched =
         request.live ? fetch_live(request, client, url, trace) : fetch_once(request, client, url, trace);
@@ -93,6 +101,10 @@ void add_fetch(CLI::App& app, Command& command) {
     request->budget.add_to(*sub);
     sub->add_flag("--live", request->live, "follow a model while it is made (WebSocket)");
     sub->add_option("--trace", request->trace, "write when each frame arrived as JSON");
+    sub->add_option("--throttle", request->bytes_per_second, "read as if over a line of so many bytes a second")
+        ->check(CLI::PositiveNumber);
+    sub->add_option("--latency", request->latency_ms, "and with so many milliseconds one way")
+        ->check(CLI::Range(0, 60'000));
     sub->callback([request, &command] { command = [request] { return fetch(*request); }; });
 }
 

@@ -1,18 +1,21 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/job_options.h"
 #include "server/cli/listen_address.h"
+#include "server/cli/server_log.h"
 #include "server/http/server.h"
 
 namespace anyrate {
@@ -22,8 +25,15 @@ struct ServeCommand {
     std::string listen = "127.0.0.1:8080";
     std::filesystem::path data = "anyrate-data";
     std::string token;
-    int n_workers = 1;
-    std::uint64_t worker_memory_mb = 4096;
+    bool is_private = false;
+    std::filesystem::path tls_certificate, tls_key;
+    std::vector<std::string> cors_origins;
+    std::size_t max_connections = 10'000;
+    int n_network_threads = 2;
+    int keep_captures_days = 7;
+    LogFormat log_format = LogFormat::plain;
+    LogRequests log_requests = LogRequests::errors;
+    JobOptions jobs;
     std::uint64_t max_upload_mb = 1024;
 };
 
@@ -32,12 +42,12 @@ WorkerCommand worker_command(const ServeCommand& request) {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
     const std::string data = std::filesystem::absolute(request.data).string();
     const std::string parent = std::to_string(::getpid());
-    const std::string memory = std::to_string(request.worker_memory_mb);
+    const std::string memory = std::to_string(request.jobs.worker_memory_mb);
     return [=](const ModelRecord& model) -> std::vector<std::string> {
         return {program,      "worker",
                 "--data",     data,
                 "--model",    model.id,
-                "--attempt",  std::to_string(model.attempts),
+                "--epoch",    std::to_string(model.epoch),
                 "--vertices", std::to_string(model.options.n_vertices),
                 "--coarse",   std::to_string(model.options.n_coarse),
                 "--memory",   memory,
@@ -45,29 +55,75 @@ WorkerCommand worker_command(const ServeCommand& request) {
     };
 }
 
-LogLine log_to_standard_error() {
-    const auto mutex = std::make_shared<std::mutex>();
-    return [mutex](const std::string& line) {
-        const std::lock_guard lock(*mutex);
-        std::fprintf(stderr, "%s\n", line.c_str());
-    };
-}
-
 int serve(const ServeCommand& request) {
     const Interrupt interrupt;  // before any thread starts
     const ListenAddress listen = parse_listen_address(request.listen);
+    const SchedulerOptions jobs = request.jobs.scheduler();
+    const ServerLog log = make_server_log(request.log_format, request.log_requests);
     Server server({.address = listen.address,
                    .port = listen.port,
                    .data = request.data,
                    .token = request.token,
+                   .is_private = request.is_private,
+                   .tls_certificate = request.tls_certificate,
+                   .tls_key = request.tls_key,
+                   .cors_origins = request.cors_origins,
                    .max_upload_bytes = request.max_upload_mb << 20,
-                   .jobs = {.n_workers = request.n_workers},
+                   .keep_captures = std::chrono::hours(24 * request.keep_captures_days),
+                   .max_connections = request.max_connections,
+                   .n_network_threads = request.n_network_threads,
+                   .jobs = jobs,
+                   .keep = keep_rule(request.jobs.keep_days, request.jobs.keep_mb),
                    .worker_command = worker_command(request),
-                   .log = log_to_standard_error()});
+                   .log = log.line,
+                   .log_access = log.request,
+                   .log_from_status = log.from_status});
     std::printf("listening on %s\n", server.url().c_str());
     std::fflush(stdout);
     server.run(interrupt.token());
     return 0;
+}
+
+void add_access_options(CLI::App& sub, ServeCommand& request) {
+    sub.add_option("--token", request.token,
+                   "what writers must send, beside the tokens made by `anyrate token`; better given in the environment")
+        ->envname("ANYRATE_TOKEN");
+    sub.add_flag("--private", request.is_private, "reading needs a token, too")->envname("ANYRATE_PRIVATE");
+    sub.add_option("--tls-certificate", request.tls_certificate,
+                   "certificate chain (PEM); with it the server speaks HTTPS")
+        ->envname("ANYRATE_TLS_CERTIFICATE");
+    sub.add_option("--tls-key", request.tls_key, "the certificate's private key (PEM)")->envname("ANYRATE_TLS_KEY");
+    sub.add_option("--cors-origin", request.cors_origins,
+                   "origins whose pages may use this server, as in https://example.org; * for any; may be repeated")
+        ->envname("ANYRATE_CORS_ORIGIN");
+}
+
+void add_operation_options(CLI::App& sub, ServeCommand& request) {
+    sub.add_option("--max-connections", request.max_connections, "connections at a time; further ones wait")
+        ->envname("ANYRATE_MAX_CONNECTIONS")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    sub.add_option("--network-threads", request.n_network_threads, "threads that serve connections")
+        ->envname("ANYRATE_NETWORK_THREADS")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    sub.add_option("--keep-captures", request.keep_captures_days,
+                   "days until a capture that came file by file is removed")
+        ->envname("ANYRATE_KEEP_CAPTURES")
+        ->check(CLI::Range(1, 36'500))
+        ->capture_default_str();
+    const std::map<std::string, LogFormat> formats = {{"plain", LogFormat::plain}, {"json", LogFormat::json}};
+    sub.add_option("--log-format", request.log_format, "of the lines on standard error: plain or json")
+        ->envname("ANYRATE_LOG_FORMAT")
+        ->transform(CLI::CheckedTransformer(formats))
+        ->default_str("plain");
+    const std::map<std::string, LogRequests> requests = {
+        {"none", LogRequests::none}, {"errors", LogRequests::errors}, {"all", LogRequests::all}};
+    sub.add_option("--log-requests", request.log_requests,
+                   "which requests are logged: none, errors (from 400 on) or all")
+        ->envname("ANYRATE_LOG_REQUESTS")
+        ->transform(CLI::CheckedTransformer(requests))
+        ->default_str("errors");
 }
 
 }  // namespace
@@ -75,21 +131,24 @@ int serve(const ServeCommand& request) {
 void add_serve(CLI::App& app, Command& command) {
     auto request = std::make_shared<ServeCommand>();
     CLI::App* sub = app.add_subcommand("serve", "take captures and serve models over HTTP");
-    sub->set_config("--config", "", "read options from a file of lines like workers=2");
+    sub->set_config("--config", "", "read options from a file of lines like workers=2; flags and environment go first");
     sub->add_option("--listen", request->listen,
                     "address and port; port 0 takes a free one; beyond loopback needs a token")
+        ->envname("ANYRATE_LISTEN")
         ->capture_default_str();
-    sub->add_option("--data", request->data, "data directory; made if missing")->capture_default_str();
-    sub->add_option("--workers", request->n_workers, "reconstructions at a time")
-        ->check(CLI::Range(1, 64))
+    sub->add_option("--data", request->data, "data directory; made if missing")
+        ->envname("ANYRATE_DATA")
         ->capture_default_str();
-    sub->add_option("--worker-memory", request->worker_memory_mb, "MB a worker may use; 0 for no limit")
-        ->capture_default_str();
+    add_job_options(*sub, request->jobs);
     sub->add_option("--max-upload", request->max_upload_mb, "MB of one capture")
+        ->envname("ANYRATE_MAX_UPLOAD")
         ->check(CLI::Range(1, 1 << 20))
         ->capture_default_str();
-    sub->add_option("--token", request->token, "what writers must send; better given in the environment")
-        ->envname("ANYRATE_TOKEN");
+    add_access_options(*sub, *request);
+    add_operation_options(*sub, *request);
+    sub->footer(
+        "The configuration file has the same names as the flags, without dashes: workers=2. SIGTERM ends the server\n"
+        "when the answers that are under way have been sent, 30 s at most.");
     sub->callback([request, &command] { command = [request] { return serve(*request); }; });
 }
 

@@ -38,6 +38,7 @@ void fill(http::request<Body>& message, const ClientRequest& request, const Url&
 struct HttpClient::State {
     Url server;
     std::chrono::seconds patience;
+    Link link;
     asio::io_context io{1};
     std::optional<beast::tcp_stream> stream;
     beast::flat_buffer buffer;
@@ -69,6 +70,7 @@ struct HttpClient::State {
         stream.emplace(io);
         expect(run([&](auto done) { stream->async_connect(addresses, std::move(done)); }), "connect to");
         stream->socket().set_option(asio::ip::tcp::no_delay(true));
+        link.round_trip();
         buffer.clear();
     }
     void close() {
@@ -95,6 +97,7 @@ struct HttpClient::State {
         return error;
     }
     ErrorCode read_header(const ClientRequest& request) {
+        link.round_trip();
         parser = std::make_unique<Parser>();
         parser->body_limit(std::numeric_limits<std::uint64_t>::max());
         parser->skip(request.method == "HEAD");
@@ -115,9 +118,11 @@ struct HttpClient::State {
     }
 };
 
-HttpClient::HttpClient(const Url& server, std::chrono::seconds patience) : state_(std::make_unique<State>()) {
+HttpClient::HttpClient(const Url& server, std::chrono::seconds patience, LinkOptions link)
+    : state_(std::make_unique<State>()) {
     state_->server = server;
     state_->patience = patience;
+    state_->link = Link(link);
 }
 
 HttpClient::~HttpClient() = default;
@@ -143,6 +148,7 @@ std::vector<std::byte> HttpClient::read(std::size_t n) {
         ErrorCode error =
             state.run([&](auto done) { http::async_read_some(*state.stream, state.buffer, *state.parser, done); });
         if (error == http::error::need_buffer) error = {};
+        state.link.take(n - body.size - got);
         got = n - body.size;
         state.expect(error, "read from");
     }

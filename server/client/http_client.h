@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/client/link.h"
 #include "server/client/url.h"
 
 namespace anyrate {
@@ -31,7 +32,8 @@ struct ClientResponse {
 /// A connection to one server, kept between requests and made anew when it broke. Every wait has a deadline.
 class HttpClient {
 public:
-    explicit HttpClient(const Url& server, std::chrono::seconds patience = std::chrono::seconds(30));
+    explicit HttpClient(const Url& server, std::chrono::seconds patience = std::chrono::seconds(30),
+                        LinkOptions link = {});
     ~HttpClient();
 
     /// Sends a request and reads the response's header. What is left of an earlier body is given up.

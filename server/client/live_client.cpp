@@ -28,7 +28,7 @@ constexpr auto patience = std::chrono::seconds(30);
 /// A WebSocket whose every step has a deadline.
 class Socket {
 public:
-    Socket(const Url& server, const std::string& target) : socket_(io_) {
+    Socket(const Url& server, const std::string& target, LinkOptions link) : link_(link), socket_(io_) {
         asio::ip::tcp::resolver resolver(io_);
         ErrorCode error;
         const auto addresses = resolver.resolve(server.host, server.port, error);
@@ -37,10 +37,12 @@ public:
         stream.expires_after(patience);
         expect(run([&](auto done) { stream.async_connect(addresses, std::move(done)); }));
         stream.expires_never();
+        link_.round_trip();
         socket_.set_option(websocket::stream_base::timeout{
             .handshake_timeout = patience, .idle_timeout = patience * 2, .keep_alive_pings = true});
         socket_.read_message_max(80u << 20);  // a frame is 64 MB at most (FORMAT.md, "Limits")
         handshake(server, target);
+        link_.round_trip();
     }
 
     struct Message {
@@ -51,6 +53,7 @@ public:
     Message read() {
         beast::flat_buffer buffer;
         expect(run([&](auto done) { socket_.async_read(buffer, std::move(done)); }));
+        link_.take(buffer.size());
         return {socket_.got_text(), beast::buffers_to_string(buffer.data())};
     }
 
@@ -77,6 +80,7 @@ private:
         if (error) throw IoError("the live connection broke: " + error.message());
     }
 
+    Link link_;
     asio::io_context io_{1};
     websocket::stream<beast::tcp_stream> socket_;
 };
@@ -126,8 +130,10 @@ private:
 
 /// Follows over one connection until it ends. @throws IoError it broke
 void follow_once(Follower& follower, const Url& server, const std::string& model_target, const LiveOptions& options) {
-    Socket socket(server, model_target + "/live?vertices=" + std::to_string(options.max_vertices) +
-                              "&from=" + std::to_string(follower.next_sequence()));
+    Socket socket(server,
+                  model_target + "/live?vertices=" + std::to_string(options.max_vertices) +
+                      "&from=" + std::to_string(follower.next_sequence()),
+                  options.link);
     while (!follower.has_ended) {
         const Socket::Message message = socket.read();
         if (message.is_text)

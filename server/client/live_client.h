@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/client/link.h"
 #include "server/client/trace.h"
 #include "server/client/url.h"
 
@@ -12,6 +13,7 @@ namespace anyrate {
 struct LiveOptions {
     std::uint32_t max_vertices = 0xFFFFFFFF;
     int max_reconnects = 10;  ///< in a row without a new frame
+    LinkOptions link = {};
 };
 
 /// Follows a model's log over a WebSocket until the budget is met or the model ends. A broken connection is made anew

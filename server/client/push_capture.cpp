@@ -1,13 +1,20 @@
 #include "server/client/push_capture.h"
 
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "server/client/http_client.h"
-#include "server/client/zip_folder.h"
+#include "server/store/file.h"
 #include "server/store/model_id.h"
+#include "server/store/sha256.h"
 
 namespace anyrate {
 namespace {
@@ -22,23 +29,129 @@ nlohmann::json parse_answer(const std::string& body) {
     return json;
 }
 
-std::string post(const Url& server, const ClientRequest& request) {
-    HttpClient client(server);
-    const ClientResponse response = client.open(request);
-    if (response.status != 202) throw_problem(client, response);
-    const std::string id = parse_answer(client.read_text()).value("id", "");
-    if (!is_model_id(id)) throw IoError("the server's answer holds no model id");
-    return id;
-}
-
-std::string post_with_retries(const Url& server, const ClientRequest& request) {
+/// Asks until the server answers. @throws IoError it did not in any of the tries
+template <class Ask>
+auto with_retries(const Ask& ask_server) {
     for (int n = 1;; ++n) {
         try {
-            return post(server, request);
+            return ask_server();
         } catch (const IoError&) {
             if (n == max_tries) throw;
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(250 << n));
+    }
+}
+
+/// Sends a request and gives the answer's JSON. @throws InputError, IoError its status is none of 2xx
+nlohmann::json exchange(HttpClient& client, const ClientRequest& request) {
+    const ClientResponse response = client.open(request);
+    if (response.status < 200 || response.status > 299) throw_problem(client, response);
+    return parse_answer(client.read_text());
+}
+
+std::string post_model(const Url& server, const ClientRequest& request) {
+    return with_retries([&] {
+        HttpClient client(server);
+        const std::string id = exchange(client, request).value("id", "");
+        if (!is_model_id(id)) throw IoError("the server's answer holds no model id");
+        return id;
+    });
+}
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+Fields authorization(const PushOptions& options) {
+    return options.token.empty() ? Fields{} : Fields{{"Authorization", "Bearer " + options.token}};
+}
+
+struct LocalFile {
+    std::filesystem::path file;
+    std::string path;  ///< in the capture
+    Sha256 digest{};
+};
+
+void add_files(std::vector<LocalFile>& files, const std::filesystem::path& folder, const std::string& prefix) {
+    if (!std::filesystem::is_directory(folder)) return;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const bool is_wanted = !prefix.empty() || entry.path().extension() == ".json";
+        if (entry.is_regular_file() && is_wanted)
+            files.push_back({entry.path(), prefix + entry.path().filename().string(), sha256_of_file(entry.path())});
+    }
+}
+
+/// What a capture consists of, by path.
+std::vector<LocalFile> files_of_capture(const std::filesystem::path& folder) {
+    std::vector<LocalFile> files;
+    add_files(files, folder, "");
+    add_files(files, folder / "images", "images/");
+    add_files(files, folder / "masks", "masks/");
+    std::sort(files.begin(), files.end(), [](const LocalFile& a, const LocalFile& b) { return a.path < b.path; });
+    if (files.empty()) throw InputError(folder.string() + ": expected images/, masks/ and cameras.json, found none");
+    return files;
+}
+
+/// Equal for equal captures, so that a second try finds what the first one brought.
+std::string key_of(const std::vector<LocalFile>& files) {
+    std::string list;
+    for (const LocalFile& file : files) list += to_hex(file.digest) + " " + file.path + "\n";
+    return to_hex(sha256(as_bytes(list)));
+}
+
+std::string percent_encoded(const std::string& path) {
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string text;
+    for (const char c : path) {
+        const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                              std::string_view("-._~/").find(c) != std::string_view::npos;
+        const auto byte = static_cast<unsigned char>(c);
+        if (is_plain)
+            text += c;
+        else
+            text += {'%', digits[byte >> 4], digits[byte & 15]};
+    }
+    return text;
+}
+
+/// The paths of a capture's listing that have arrived as they are here.
+std::set<std::string> arrived_files(const nlohmann::json& listing, const std::vector<LocalFile>& files) {
+    std::map<std::string, std::string> digests;
+    for (const auto& file : listing.value("files", nlohmann::json::array()))
+        digests[file.value("path", "")] = file.value("sha256", "");
+    std::set<std::string> arrived;
+    for (const LocalFile& file : files)
+        if (const auto known = digests.find(file.path); known != digests.end() && known->second == to_hex(file.digest))
+            arrived.insert(file.path);
+    return arrived;
+}
+
+/// Brings every file that is not there yet. @return the id of the capture
+std::string upload_files(const Url& server, const std::vector<LocalFile>& files, const PushOptions& options) {
+    HttpClient client(server);
+    ClientRequest begin{.method = "POST", .target = "/v1/captures", .headers = authorization(options), .body = {}};
+    begin.headers.emplace_back("Idempotency-Key", key_of(files));
+    const auto listing = with_retries([&] { return exchange(client, begin); });
+    const std::string id = listing.value("id", "");
+    if (!is_model_id(id)) throw IoError("the server's answer holds no id of a capture");
+    const auto arrived = arrived_files(listing, files);
+    for (const LocalFile& file : files) {
+        if (arrived.contains(file.path)) continue;
+        ClientRequest put{.method = "PUT",
+                          .target = "/v1/captures/" + id + "/files/" + percent_encoded(file.path),
+                          .headers = authorization(options),
+                          .body = file.file};
+        put.headers.emplace_back("Content-Digest", "sha-256=:" + to_base64(file.digest) + ":");
+        with_retries([&] { return exchange(client, put); });
+    }
+    return id;
+}
+
+/// The model is made: its capture needs not be kept a second time.
+void forget_capture(const Url& server, const std::string& id, const PushOptions& options) {
+    try {
+        HttpClient(server).open(
+            {.method = "DELETE", .target = "/v1/captures/" + id, .headers = authorization(options), .body = {}});
+    } catch (const IoError&) {
+        // The server removes it itself after some days.
     }
 }
 
@@ -58,16 +171,22 @@ RemoteState ask(const Url& server, const std::string& id) {
 }  // namespace
 
 std::string push_capture(const Url& server, const std::filesystem::path& capture, const PushOptions& options) {
-    std::optional<TemporaryZip> zip;
-    if (std::filesystem::is_directory(capture))
-        zip.emplace(zip_capture(capture));
-    else if (!std::filesystem::is_regular_file(capture))
+    const bool is_folder = std::filesystem::is_directory(capture);
+    if (!is_folder && !std::filesystem::is_regular_file(capture))
         throw InputError(capture.string() + ": expected the folder or the zip of a capture");
-    ClientRequest request{.method = "POST", .target = "/v1/models", .headers = {}, .body = zip ? zip->path() : capture};
-    if (options.n_vertices) request.target += "?vertices=" + std::to_string(*options.n_vertices);
-    request.headers = {{"Content-Type", "application/zip"}, {"Idempotency-Key", new_model_id()}};
-    if (!options.token.empty()) request.headers.emplace_back("Authorization", "Bearer " + options.token);
-    return post_with_retries(server, request);
+    ClientRequest request{.method = "POST", .target = "/v1/models?", .headers = authorization(options), .body = {}};
+    request.headers.emplace_back("Idempotency-Key", new_model_id());
+    if (options.n_vertices) request.target += "vertices=" + std::to_string(*options.n_vertices) + "&";
+    if (!is_folder) {
+        request.headers.emplace_back("Content-Type", "application/zip");
+        request.body = capture;
+        return post_model(server, request);
+    }
+    const std::string arrived = upload_files(server, files_of_capture(capture), options);
+    request.target += "capture=" + arrived;
+    const std::string id = post_model(server, request);
+    forget_capture(server, arrived, options);
+    return id;
 }
 
 RemoteState wait_for_model(const Url& server, const std::string& id,

@@ -14,7 +14,9 @@ struct PushOptions {
     std::string token;  ///< empty for a server without one
 };
 
-/// Uploads a capture, a folder or a zip. A request that broke is repeated; the server makes one model all the same.
+/// Uploads a capture: a zip at once, a folder file by file. A request that broke is repeated; of a folder whose upload
+/// broke before, also in another process, only the files are sent that have not arrived. The server makes one model all
+/// the same.
 /// @return the id of the model @throws InputError the server refuses, with its sentence; IoError
 std::string push_capture(const Url& server, const std::filesystem::path& capture, const PushOptions& options);
 

@@ -7,20 +7,28 @@ namespace {
 
 constexpr std::string_view scheme = "Bearer ";
 
-bool equal_in_constant_time(std::string_view given, std::string_view expected) {
-    unsigned difference = given.size() == expected.size() ? 0 : 1;
-    for (std::size_t i = 0; i < given.size(); ++i)
-        difference |= static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(expected[i % expected.size()]);
-    return difference == 0;
+bool is_reading(const Request& request) { return request.method == "GET" || request.method == "HEAD"; }
+
+bool is_open_to_all(const Request& request) {
+    return is_reading(request) && (request.path == "/healthz" || request.path == "/readyz");
 }
 
 }  // namespace
 
-void expect_authorized(const Request& request, std::string_view token) {
-    if (token.empty() || request.method == "GET" || request.method == "HEAD") return;
+void expect_authorized(const Request& request, const AccessRules& rules) {
+    const Scope scope = is_reading(request) ? Scope::read : Scope::write;
+    if (is_open_to_all(request) || (scope == Scope::read && !rules.is_private)) return;
+    // A server without a writer listens on loopback only, and there everybody may write.
+    if (!rules.is_private && !rules.tokens.has_writer()) return;
     const std::string_view field = request.headers.find("Authorization").value_or("");
-    if (field.substr(0, scheme.size()) == scheme && equal_in_constant_time(field.substr(scheme.size()), token)) return;
-    throw HttpProblem(401, "writing needs the header field Authorization: Bearer <token>",
+    if (field.substr(0, scheme.size()) == scheme) {
+        const std::string_view token = field.substr(scheme.size());
+        if (rules.tokens.permit(token, scope)) return;
+        if (rules.tokens.permit(token, Scope::read)) throw HttpProblem(403, "this token may read, not write");
+    }
+    throw HttpProblem(401,
+                      std::string(scope == Scope::read ? "reading" : "writing") +
+                          " needs the header field Authorization: Bearer <token>",
                       {{"WWW-Authenticate", "Bearer realm=\"anyrate\""}});
 }
 

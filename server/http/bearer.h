@@ -1,13 +1,18 @@
 #pragma once
-#include <string_view>
-
 #include "server/http/message.h"
+#include "server/http/tokens.h"
 
 namespace anyrate {
 
-/// Refuses a request that writes without the server's token. Reading is open, and so is everything if `token` is empty
-/// (such a server listens on loopback only). The comparison takes as long for a wrong token as for the right one.
-/// @throws HttpProblem 401 with WWW-Authenticate
-void expect_authorized(const Request& request, std::string_view token);
+/// Who needs a token: writers, once there is one for them; readers too if the server is private.
+struct AccessRules {
+    Tokens& tokens;
+    bool is_private = false;
+};
+
+/// Lets a request pass or throws. Tokens are taken from the field Authorization (Bearer) only, for addresses end in
+/// logs. GET and HEAD read, everything else writes; /healthz and /readyz are open to all.
+/// @throws HttpProblem 401 no token, or an unknown one; 403 it may read but not write
+void expect_authorized(const Request& request, const AccessRules& rules);
 
 }  // namespace anyrate

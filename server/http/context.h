@@ -4,7 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "server/http/access_record.h"
+#include "server/http/bearer.h"
+#include "server/http/live_feed.h"
+#include "server/http/metrics.h"
 #include "server/http/net.h"
 #include "server/http/service.h"
 #include "server/http/sessions.h"
@@ -21,8 +26,9 @@ struct HttpLimits {
     std::chrono::seconds header_patience =
         std::chrono::seconds(20);                                   ///< from one response to the end of the next header
     std::chrono::seconds body_patience = std::chrono::seconds(30);  ///< for each 64 KB of a body
-    std::chrono::seconds write_patience = std::chrono::seconds(30);  ///< for a reader that takes nothing
+    std::chrono::seconds write_patience = std::chrono::seconds(30);  ///< for a reader that takes less than 4 KB
     std::size_t live_message_bytes = 16 * 1024;                      ///< frames are coalesced up to about this
+    std::size_t live_queue_bytes = 256 * 1024;                       ///< of a live client in the kernel
 };
 
 /// What all connections share; outlives them.
@@ -31,11 +37,17 @@ struct ServerContext {
     const Router& router;
     ModelEvents& events;
     Sessions& sessions;
+    LiveFeeds& live_feeds;
+    Metrics& metrics;
     asio::thread_pool& quick_pool;  ///< catalog and files
     asio::thread_pool& heavy_pool;  ///< decoding of meshes
+    std::size_t hot_route = 0;      ///< number of the route of logs
     HttpLimits limits;
-    std::string token;                            ///< empty: no authorisation
-    std::function<void(const std::string&)> log;  ///< takes a line for the operator
+    AccessRules access;
+    std::vector<std::string> cors_origins;                ///< that browsers may ask from; "*" for any
+    std::function<void(const std::string&)> log;          ///< takes a line for the operator
+    std::function<void(const AccessRecord&)> log_access;  ///< takes requests; empty for none
+    int log_from_status = 0;                              ///< only requests whose answer has such a status or a higher
 };
 
 }  // namespace anyrate

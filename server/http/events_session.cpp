@@ -22,14 +22,15 @@ std::optional<News> look_up(Service& service, const std::string& id) {
     return News{model_json(*model), is_final(model->state)};
 }
 
-awaitable<void> send(TcpStream& stream, std::string text, std::chrono::seconds patience) {
-    stream.expires_after(patience);
+awaitable<void> send(Stream& stream, std::string text, std::chrono::seconds patience) {
+    stream.expires_without_progress(patience);
     co_await asio::async_write(stream, asio::buffer(text), use_awaitable);
+    stream.expires_never();
 }
 
 }  // namespace
 
-awaitable<void> serve_events(TcpStream& stream, ServerContext& context, const Response& response,
+awaitable<void> serve_events(Stream& stream, ServerContext& context, const Response& response,
                              std::shared_ptr<WakeUp> wake_up) {
     constexpr auto heartbeat = std::chrono::seconds(15);  // finds connections that are gone
     const std::string id = std::get<EventsBody>(response.body).model_id;

@@ -22,7 +22,7 @@ void narrow(Response& response, const FileBody& whole, const ByteRange& range) {
     response.status = 206;
     response.headers.add("Content-Range", "bytes " + std::to_string(range.begin) + "-" + std::to_string(range.end - 1) +
                                               "/" + std::to_string(whole.n_bytes));
-    response.body = FileBody{whole.file, whole.begin + range.begin, range.end - range.begin};
+    response.body = FileBody{whole.file, whole.begin + range.begin, range.end - range.begin, whole.memory};
 }
 
 }  // namespace

@@ -13,10 +13,13 @@
 
 #include "core/error.h"
 #include "server/http/bearer.h"
+#include "server/http/cors.h"
 #include "server/http/events_session.h"
+#include "server/http/hot_path.h"
 #include "server/http/live_session.h"
 #include "server/http/on_pool.h"
 #include "server/http/problem.h"
+#include "server/http/request_id.h"
 #include "server/http/response_writer.h"
 #include "server/http/target.h"
 #include "server/http/wake_up.h"
@@ -28,17 +31,61 @@ namespace {
 namespace http = beast::http;
 using Parser = http::request_parser<http::buffer_body>;
 
-/// One connection between two requests and while one is served. Lives on one strand.
+/// One connection between two requests and while one is served. Lives on one network thread.
 struct Connection {
-    Connection(tcp::socket socket, ServerContext& server)
-        : stream(std::move(socket)), context(server), wake_up(WakeUp::make(stream.get_executor())) {}
+    Connection(tcp::socket socket, NetworkThread& thread, asio::ssl::context* tls, ServerContext& server)
+        : client(client_of(socket)),
+          stream(std::make_shared<Stream>(std::move(socket), thread.deadlines(), tls)),
+          context(server),
+          wake_up(WakeUp::make(stream->get_executor())) {}
 
-    TcpStream stream;
+    static std::string client_of(const tcp::socket& socket) {
+        ErrorCode error;  // then it is gone already
+        const auto endpoint = socket.remote_endpoint(error);
+        return error ? "" : endpoint.address().to_string();
+    }
+
+    std::string client;  ///< its address
+    std::shared_ptr<Stream> stream;
     ServerContext& context;
     beast::flat_buffer buffer;
     std::shared_ptr<WakeUp> wake_up;  ///< raised when the server drains
     bool is_idle = false;             ///< waits for a request
     bool must_close = false;          ///< after this response
+};
+
+/// What is told of a request when it is answered.
+struct Account {
+    explicit Account(Connection& connection) : connection_(connection) {}
+    Account(const Account&) = delete;
+    Account& operator=(const Account&) = delete;
+
+    std::string request_id;
+    std::size_t route = std::size_t(-1);  ///< number in the router
+    std::string error;                    ///< for the operator only
+
+    void close(const Request& request, const Response& response, std::uint64_t n_sent) {
+        Metrics& metrics = connection_.context.metrics;
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
+        RouteMetrics& counted = *metrics.routes[std::min(route, metrics.routes.size() - 1)];
+        const auto digit = static_cast<std::size_t>(response.status / 100);
+        counted.by_class[std::min(digit, counted.by_class.size() - 1)].fetch_add(1, std::memory_order_relaxed);
+        counted.seconds.observe(elapsed.count());
+        metrics.sent_bytes.fetch_add(n_sent, std::memory_order_relaxed);
+        if (!connection_.context.log_access || response.status < connection_.context.log_from_status) return;
+        connection_.context.log_access({.request_id = request_id,
+                                        .client = connection_.client,
+                                        .method = request.method,
+                                        .path = request.path,
+                                        .status = response.status,
+                                        .n_bytes = n_sent,
+                                        .seconds = elapsed.count(),
+                                        .error = error});
+    }
+
+private:
+    Connection& connection_;
+    std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
 /// Removes the file of an upload that nobody took.
@@ -57,10 +104,13 @@ private:
     std::filesystem::path path_;
 };
 
-HttpProblem reading_problem(const ErrorCode& error) {
+HttpProblem reading_problem(const Connection& connection, const ErrorCode& error) {
+    if (connection.stream->has_expired()) {
+        ++connection.context.metrics.timeouts;
+        return {408, "the request did not arrive in time"};
+    }
     if (error == http::error::header_limit) return {431, "the request's header is longer than the server takes"};
     if (error == http::error::body_limit) return {413, "the request's body is longer than the server takes"};
-    if (error == beast::error::timeout) return {408, "the request did not arrive in time"};
     return {400, "this is no HTTP request: " + error.message()};
 }
 
@@ -75,16 +125,17 @@ awaitable<bool> read_header(Connection& connection, Parser& parser) {
     const HttpLimits& limits = connection.context.limits;
     parser.header_limit(static_cast<std::uint32_t>(limits.max_header_bytes));
     parser.body_limit(limits.max_upload_bytes);
-    connection.stream.expires_after(limits.header_patience);
+    connection.stream->expires_after(limits.header_patience);
     ErrorCode error;
     connection.is_idle = true;
-    co_await http::async_read_header(connection.stream, connection.buffer, parser,
+    co_await http::async_read_header(*connection.stream, connection.buffer, parser,
                                      asio::redirect_error(use_awaitable, error));
     connection.is_idle = false;
     if (!error) co_return true;
     const bool said_nothing = connection.buffer.size() == 0 && !parser.got_some();
-    if (is_end_of_connection(error) || (said_nothing && error == beast::error::timeout)) co_return false;
-    throw reading_problem(error);
+    const bool is_late = connection.stream->has_expired();
+    if (is_late ? said_nothing : is_end_of_connection(error)) co_return false;
+    throw reading_problem(connection, error);
 }
 
 Request to_request(const http::request<http::buffer_body>& message) {
@@ -104,14 +155,15 @@ awaitable<void> read_body(Connection& connection, Parser& parser, std::uint64_t 
     std::uint64_t n_bytes = 0;
     while (!parser.is_done()) {
         parser.get().body() = {.data = piece.data(), .size = piece.size(), .more = true};
-        connection.stream.expires_after(connection.context.limits.body_patience);
+        connection.stream->expires_after(connection.context.limits.body_patience);
         ErrorCode error;
-        co_await http::async_read(connection.stream, connection.buffer, parser,
+        co_await http::async_read(*connection.stream, connection.buffer, parser,
                                   asio::redirect_error(use_awaitable, error));
-        if (error && error != http::error::need_buffer) throw reading_problem(error);
+        if (error && error != http::error::need_buffer) throw reading_problem(connection, error);
         const std::size_t got = piece.size() - parser.get().body().size;
         n_bytes += got;
-        if (n_bytes > max_bytes) throw reading_problem(http::error::body_limit);
+        connection.context.metrics.received_bytes += got;
+        if (n_bytes > max_bytes) throw reading_problem(connection, http::error::body_limit);
         take(std::string_view(piece.data(), got));
     }
 }
@@ -119,7 +171,7 @@ awaitable<void> read_body(Connection& connection, Parser& parser, std::uint64_t 
 awaitable<void> continue_if_expected(Connection& connection, const Request& request) {
     if (request.headers.find("Expect").value_or("") != "100-continue") co_return;
     constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
-    co_await asio::async_write(connection.stream, asio::buffer(go_on.data(), go_on.size()), use_awaitable);
+    co_await asio::async_write(*connection.stream, asio::buffer(go_on.data(), go_on.size()), use_awaitable);
 }
 
 awaitable<std::uint64_t> receive_upload(Connection& connection, Parser& parser, const Request& request,
@@ -139,18 +191,28 @@ awaitable<std::uint64_t> receive_upload(Connection& connection, Parser& parser, 
 }
 
 /// Everything about a request that is known before its body: where it goes, whether it may.
-const Route& admit(ServerContext& context, Request& request) {
+const Route& admit(ServerContext& context, Request& request, Account& account) {
     const Route& route = context.router.find(request);
-    expect_authorized(request, context.token);
+    account.route = context.router.number_of(route);
+    try {
+        expect_authorized(request, context.access);
+    } catch (const HttpProblem&) {
+        ++context.metrics.rejected_tokens;
+        throw;
+    }
     return route;
 }
 
-awaitable<Response> handle(Connection& connection, Parser& parser, Request& request) {
+awaitable<Response> handle(Connection& connection, Parser& parser, Request& request, Account& account) {
     ServerContext& context = connection.context;
-    const Route& route = admit(context, request);
+    if (auto preflight = answer_preflight(request, context.cors_origins)) co_return std::move(*preflight);
+    const Route& route = admit(context, request, account);
     asio::thread_pool& pool = route.is_heavy ? context.heavy_pool : context.quick_pool;
     if (!route.takes_upload) {
-        co_await read_body(connection, parser, context.limits.max_small_body_bytes, [](std::string_view) {});
+        if (!parser.is_done())
+            co_await read_body(connection, parser, context.limits.max_small_body_bytes, [](std::string_view) {});
+        if (route.answer_at_once)
+            if (auto response = route.answer_at_once(request)) co_return std::move(*response);
         co_return co_await on_pool(pool, [&] { return route.handle(request); });
     }
     co_await on_pool(pool, [&] {
@@ -165,10 +227,10 @@ awaitable<Response> handle(Connection& connection, Parser& parser, Request& requ
 
 /// The handler's answer, or the problem document of what went wrong. If the body was not read to its end the connection
 /// cannot be used again.
-awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Request& request) {
+awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Request& request, Account& account) {
     std::exception_ptr failure;
     try {
-        co_return co_await handle(connection, parser, request);
+        co_return co_await handle(connection, parser, request, account);
     } catch (const boost::system::system_error&) {
         throw;  // the connection itself
     } catch (...) {
@@ -179,7 +241,9 @@ awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Re
         try {
             std::rethrow_exception(failure);
         } catch (const std::exception& error) {
-            connection.context.log(request.method + " " + request.path + ": " + error.what());
+            account.error = error.what();
+            connection.context.log(account.request_id + " " + request.method + " " + request.path + ": " +
+                                   error.what());
         }
     }
     connection.must_close = connection.must_close || !parser.is_done();
@@ -187,7 +251,7 @@ awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Re
 }
 
 awaitable<void> write(Connection& connection, const Response& response, bool head_only) {
-    co_await write_response(connection.stream, response,
+    co_await write_response(*connection.stream, response,
                             {.head_only = head_only,
                              .keep_alive = !connection.must_close,
                              .patience = connection.context.limits.write_patience});
@@ -195,17 +259,33 @@ awaitable<void> write(Connection& connection, const Response& response, bool hea
 
 /// Lets a client that is still sending read the answer before the connection goes: closing at once would reset it.
 awaitable<void> linger(Connection& connection) {
-    ErrorCode error;
-    connection.stream.socket().shutdown(tcp::socket::shutdown_send, error);
+    Stream& stream = *connection.stream;
+    stream.expires_after(std::chrono::seconds(5));
+    co_await stream.send_end();
     std::vector<char> ignored(64 * 1024);
-    connection.stream.expires_after(std::chrono::seconds(5));
+    ErrorCode error;
     while (!error)
-        co_await connection.stream.async_read_some(asio::buffer(ignored), asio::redirect_error(use_awaitable, error));
+        co_await stream.socket().async_read_some(asio::buffer(ignored), asio::redirect_error(use_awaitable, error));
 }
 
 Response upgrade_required() {
     return problem_response(
         {426, "the live stream is a WebSocket: send Upgrade: websocket", {{"Upgrade", "websocket"}}});
+}
+
+/// The answer goes on as a WebSocket. @return a response if the client did not ask for one
+awaitable<std::optional<Response>> go_on_live(Connection& connection, Parser& parser, LiveBody live) {
+    if (!beast::websocket::is_upgrade(parser.get())) co_return upgrade_required();
+    http::request<http::empty_body> upgrade{http::request_header<>(parser.get().base())};
+    co_await serve_live(connection.stream, std::move(upgrade), connection.context, std::move(live), connection.wake_up);
+    co_return std::nullopt;
+}
+
+awaitable<void> go_on_with_events(Connection& connection, const Request& request, const Response& response) {
+    if (request.method == "HEAD")
+        co_await write_open_header(*connection.stream, response, connection.context.limits.write_patience);
+    else
+        co_await serve_events(*connection.stream, connection.context, response, connection.wake_up);
 }
 
 /// Serves one request. @return whether the connection can take another
@@ -214,34 +294,88 @@ awaitable<bool> serve_request(Connection& connection) {
     const bool arrived = co_await read_header(connection, parser);
     if (!arrived) co_return false;
     connection.must_close = !parser.get().keep_alive() || connection.context.sessions.is_draining();
+    Account account(connection);
     Request request = to_request(parser.get());
-    Response response = co_await handle_or_explain(connection, parser, request);
+    account.request_id = request_id_of(request);
+    Response response = co_await handle_or_explain(connection, parser, request, account);
+    response.headers.add("X-Request-Id", account.request_id);
+    allow_origin(response, request, connection.context.cors_origins);
 
     if (auto* live = std::get_if<LiveBody>(&response.body)) {
-        if (beast::websocket::is_upgrade(parser.get())) {
-            http::request<http::empty_body> upgrade{http::request_header<>(parser.get().base())};
-            co_await serve_live(std::move(connection.stream), std::move(upgrade), connection.context, std::move(*live),
-                                connection.wake_up);
+        auto refusal = co_await go_on_live(connection, parser, std::move(*live));
+        if (!refusal) {
+            account.close(request, response, 0);
             co_return false;
         }
-        response = upgrade_required();
+        response = std::move(*refusal);
     }
     if (std::holds_alternative<EventsBody>(response.body)) {
-        if (request.method == "HEAD")
-            co_await write_open_header(connection.stream, response, connection.context.limits.write_patience);
-        else
-            co_await serve_events(connection.stream, connection.context, response, connection.wake_up);
+        co_await go_on_with_events(connection, request, response);
+        account.close(request, response, 0);
         co_return false;
     }
     connection.must_close = connection.must_close || connection.context.sessions.is_draining();
-    co_await write(connection, response, request.method == "HEAD");
+    const bool is_head = request.method == "HEAD";
+    co_await write(connection, response, is_head);
+    account.close(request, response, is_head ? 0 : body_bytes(response));
     co_return !connection.must_close;
+}
+
+/// Whether the hot path answers as the general one would: nothing asks for more than it does.
+bool may_serve_hot(const Connection& connection) {
+    const ServerContext& context = connection.context;
+    const bool is_logged = context.log_access && context.log_from_status <= 206;
+    return !connection.stream->is_tls() && !context.access.is_private && !is_logged;
+}
+
+std::string_view received(const Connection& connection) {
+    return {static_cast<const char*>(connection.buffer.data().data()), connection.buffer.size()};
+}
+
+awaitable<void> answer_from_memory(Connection& connection, const HotAnswer& answer, const std::string& header,
+                                   RouteMetrics& counted) {
+    const auto begun = std::chrono::steady_clock::now();
+    std::size_t n_sent = 0;
+    if (!write_now(*connection.stream, header, answer.body, n_sent))
+        co_await write_rest(*connection.stream, header, answer.body, n_sent, connection.context.limits.write_patience);
+    counted.by_class[2].fetch_add(1, std::memory_order_relaxed);
+    counted.seconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+    connection.context.metrics.sent_bytes.fetch_add(answer.body.n_bytes, std::memory_order_relaxed);
+}
+
+/// Serves requests for logs in memory until another one comes, whose bytes stay in the buffer.
+/// @return false if the connection ended
+awaitable<bool> serve_hot(Connection& connection) {
+    ServerContext& context = connection.context;
+    RouteMetrics& counted = *context.metrics.routes[context.hot_route];
+    std::string header;
+    for (;;) {
+        if (connection.buffer.size() > 0) {
+            if (context.sessions.is_draining()) co_return true;
+            const auto answer = answer_hot(received(connection), context.service.hot_logs, header);
+            if (!answer) co_return true;
+            connection.buffer.consume(answer->n_request_bytes);
+            co_await answer_from_memory(connection, *answer, header, counted);
+            continue;
+        }
+        connection.stream->expires_after(context.limits.header_patience);
+        connection.is_idle = true;
+        ErrorCode error;
+        const std::size_t n = co_await connection.stream->async_read_some(connection.buffer.prepare(4096),
+                                                                          asio::redirect_error(use_awaitable, error));
+        connection.is_idle = false;
+        if (error) co_return false;
+        connection.buffer.commit(n);
+    }
 }
 
 awaitable<void> serve_requests(Connection& connection) {
     std::optional<HttpProblem> problem;
+    const bool is_hot = may_serve_hot(connection);
     try {
-        while (co_await serve_request(connection)) {
+        for (bool goes_on = true; goes_on;) {
+            if (is_hot && !co_await serve_hot(connection)) break;
+            goes_on = co_await serve_request(connection);
         }
     } catch (const HttpProblem& unreadable) {
         problem = unreadable;
@@ -250,21 +384,25 @@ awaitable<void> serve_requests(Connection& connection) {
         connection.must_close = true;
         co_await write(connection, problem_response(*problem), false);
     }
-    if (connection.stream.socket().is_open()) co_await linger(connection);
+    if (connection.stream->socket().is_open()) co_await linger(connection);
 }
 
 }  // namespace
 
-awaitable<void> serve_connection(tcp::socket socket, ServerContext& context) {
-    const auto connection = std::make_shared<Connection>(std::move(socket), context);
+awaitable<void> serve_connection(tcp::socket socket, NetworkThread& thread, asio::ssl::context* tls,
+                                 ServerContext& context) {
+    const auto connection = std::make_shared<Connection>(std::move(socket), thread, tls, context);
     const auto on_drain = [connection] {
-        asio::post(connection->stream.get_executor(), [connection] {
+        asio::post(connection->stream->get_executor(), [connection] {
             connection->wake_up->raise();
-            if (connection->is_idle) connection->stream.cancel();
+            if (connection->is_idle) connection->stream->cancel();
         });
     };
     const Sessions::Membership membership(context.sessions, on_drain);
     try {
+        connection->stream->socket().native_non_blocking(true);
+        connection->stream->expires_after(context.limits.header_patience);
+        co_await connection->stream->handshake();
         co_await serve_requests(*connection);
     } catch (const boost::system::system_error&) {
         // The connection broke, which is its peer's business; the socket closes with this scope.

@@ -2,27 +2,9 @@
 
 #include <cstdio>
 
-#include "core/error.h"
 #include "proto/header.h"
 
 namespace anyrate {
-namespace {
-
-std::vector<std::byte> read_exactly(const LogView& log, std::uint64_t begin, std::uint64_t end) {
-    auto bytes = read_at(*log.file, begin, static_cast<std::size_t>(end - begin));
-    if (bytes.size() != end - begin) throw IoError("a log is shorter than its index says");
-    return bytes;
-}
-
-/// A sealed header, of a model without a live file, promises an index behind it that a live client does not get.
-std::vector<std::byte> live_header(const LogView& log) {
-    Header header = decode_header(read_exactly(log, 0, header_size));
-    header.sealed = false;
-    return encode_header(header);
-}
-
-}  // namespace
-
 std::string LiveCursor::hello(const LogView& log) {
     if (log_id_ && *log_id_ != log.log_id) {
         next_ = 0;
@@ -40,23 +22,23 @@ std::size_t LiveCursor::last_row(const LogView& log) const {
     return rows_for_budget(log.rows, VertexBudget{max_vertices_}, log.frames_begin);
 }
 
-std::optional<std::vector<std::byte>> LiveCursor::next_message(const LogView& log, std::size_t n_bytes) {
+std::optional<LogRange> LiveCursor::next_message(const LogView& log, std::size_t n_bytes) {
     if (!header_sent_) {
         header_sent_ = true;
-        return live_header(log);
+        return LogRange{0, header_size};
     }
     const std::size_t last = last_row(log);
     if (next_ < last) {
         const std::uint64_t begin = log.frames_begin + (next_ == 0 ? 0 : log.rows[next_ - 1].end);
         std::uint64_t end = begin;
         while (next_ < last && end - begin < n_bytes) end = log.frames_begin + log.rows[next_++].end;
-        return read_exactly(log, begin, end);
+        return LogRange{begin, end};
     }
     // Behind the last row stands the end frame, which only a client with the whole log gets.
     if (log.complete && next_ == log.rows.size() && !end_sent_) {
         end_sent_ = true;
         const std::uint64_t begin = log.frames_begin + log.rows.back().end;
-        if (begin < log.size) return read_exactly(log, begin, log.size);
+        if (begin < log.size) return LogRange{begin, log.size};
     }
     return std::nullopt;
 }

@@ -3,11 +3,15 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "server/store/log_view.h"
 
 namespace anyrate {
+
+/// Bytes begin .. end - 1 of a log.
+struct LogRange {
+    std::uint64_t begin = 0, end = 0;
+};
 
 /// Where one live client stands in a log: decides what it is sent next. Knows no socket.
 ///
@@ -25,9 +29,9 @@ public:
     /// The first message about a log: {"type":"hello","log_id","next_sequence","sealed"}. Starts to follow `log`, from
     /// its start if another was followed before.
     std::string hello(const LogView& log);
-    /// The next message of whole frames, about `n_bytes` long; the header is a message of its own. nullopt if the
-    /// client has all it may have of this view. @throws IoError
-    std::optional<std::vector<std::byte>> next_message(const LogView& log, std::size_t n_bytes);
+    /// The next message of whole frames, at least `n_bytes` long if there are as many; the header is a message of its
+    /// own, in the live form (LogBytes). nullopt if the client has all it may have of this view.
+    std::optional<LogRange> next_message(const LogView& log, std::size_t n_bytes);
     /// Whether nothing will ever come any more for this budget.
     bool is_complete(const LogView& log) const;
 

@@ -10,25 +10,26 @@
 #include <optional>
 #include <utility>
 
-#include "server/http/deadline.h"
 #include "server/http/live_cursor.h"
-#include "server/http/on_pool.h"
+#include "server/http/live_feed.h"
 
 namespace anyrate {
 namespace {
 
 namespace websocket = beast::websocket;
 
-/// One upgraded connection. Its coroutines run on one strand.
+/// One upgraded connection. Its coroutines run on its network thread.
 struct Connection {
-    Connection(TcpStream stream, ServerContext& server, LiveBody asked, std::shared_ptr<WakeUp> news)
-        : socket(std::move(stream)),
+    Connection(std::shared_ptr<Stream> upgraded, ServerContext& server, LiveBody asked, std::shared_ptr<WakeUp> news)
+        : stream(std::move(upgraded)),
+          socket(*stream),
           context(server),
           wish(std::move(asked)),
           wake_up(std::move(news)),
           cursor(wish.from, wish.max_vertices) {}
 
-    websocket::stream<TcpStream> socket;
+    std::shared_ptr<Stream> stream;
+    websocket::stream<Stream&> socket;
     ServerContext& context;
     LiveBody wish;
     std::shared_ptr<WakeUp> wake_up;
@@ -41,10 +42,7 @@ struct Connection {
 class CloseAtEnd {
 public:
     explicit CloseAtEnd(Connection& connection) : connection_(connection) {}
-    ~CloseAtEnd() {
-        ErrorCode ignored;  // it is closed either way
-        beast::get_lowest_layer(connection_.socket).socket().close(ignored);
-    }
+    ~CloseAtEnd() { connection_.stream->close(); }
     CloseAtEnd(const CloseAtEnd&) = delete;
     CloseAtEnd& operator=(const CloseAtEnd&) = delete;
 
@@ -52,27 +50,19 @@ private:
     Connection& connection_;
 };
 
-/// What the catalog and the log say at one moment.
-struct Snapshot {
-    std::optional<ModelRecord> model;
-    std::optional<LogView> log;
-};
-
-Snapshot look_up(Service& service, const std::string& id) {
-    // The model first: if it is final then, its log is whole.
-    Snapshot snapshot{.model = service.catalog.find(id), .log = std::nullopt};
-    if (snapshot.model) snapshot.log = service.store.open_live_log(id);
-    return snapshot;
-}
-
-void set_options(websocket::stream<TcpStream>& socket) {
+void set_options(Connection& connection) {
+    auto& socket = connection.socket;
+    // The kernel doubles what it is told, for its own accounts.
+    ErrorCode ignored;  // then the kernel's own limits hold
+    connection.stream->socket().set_option(
+        asio::socket_base::send_buffer_size(static_cast<int>(connection.context.limits.live_queue_bytes / 2)), ignored);
     socket.set_option(websocket::stream_base::timeout{.handshake_timeout = std::chrono::seconds(10),
                                                       .idle_timeout = std::chrono::seconds(120),
                                                       .keep_alive_pings = true});
     socket.set_option(websocket::stream_base::decorator(
         [](websocket::response_type& response) { response.set(beast::http::field::server, "anyrate"); }));
     socket.read_message_max(4096);
-    socket.write_buffer_bytes(8 * 1024);
+    socket.auto_fragment(false);  // a message goes as it lies in memory, in one frame
 }
 
 /// @return false if the message is none that a client may send
@@ -105,30 +95,44 @@ awaitable<void> read_client(std::shared_ptr<Connection> connection) {
     connection->wake_up->raise();
 }
 
-/// Sends one message; a client that takes nothing for the write patience loses its connection.
-awaitable<void> send(Connection& connection, asio::const_buffer message, bool is_text) {
-    const Deadline deadline(connection.socket.get_executor(), connection.context.limits.write_patience,
-                            [&connection] { beast::get_lowest_layer(connection.socket).socket().close(); });
+/// Sends one message; a client that takes next to nothing for the write patience loses its connection.
+template <class Buffers>
+awaitable<void> send(Connection& connection, const Buffers& message, bool is_text) {
+    Metrics& metrics = connection.context.metrics;
+    connection.stream->expires_without_progress(connection.context.limits.write_patience);
     connection.socket.text(is_text);
-    co_await connection.socket.async_write(message, use_awaitable);
+    ErrorCode error;
+    const std::size_t n_bytes =
+        co_await connection.socket.async_write(message, asio::redirect_error(use_awaitable, error));
+    if (connection.stream->has_expired()) ++metrics.live_evictions;
+    if (error) throw boost::system::system_error(error);
+    connection.stream->expires_never();
+    ++metrics.live_messages;
+    metrics.live_bytes += n_bytes;
+    metrics.sent_bytes += n_bytes;
 }
 
 awaitable<void> send_text(Connection& connection, std::string text) {
     co_await send(connection, asio::buffer(text), true);
 }
 
+awaitable<void> send_range(Connection& connection, const LogBytes& bytes, const LogRange& range) {
+    std::vector<asio::const_buffer> parts;
+    for (const auto part : bytes.slice(range.begin, range.end)) parts.emplace_back(part.data(), part.size());
+    co_await send(connection, parts, false);
+}
+
 /// Sends what the client has not yet of this view. @return whether that was all there will ever be
-awaitable<bool> send_frames(Connection& connection, const LogView& log) {
-    const std::size_t n_bytes = connection.context.limits.live_message_bytes;
+awaitable<bool> send_frames(Connection& connection, const LiveView& view) {
+    const LogView& log = *view.log;
     if (connection.cursor.log_id() != log.log_id) {
         std::string hello = connection.cursor.hello(log);
         co_await send_text(connection, std::move(hello));
     }
-    while (!connection.is_gone && !connection.is_paused) {
-        const auto message = co_await on_pool(connection.context.quick_pool,
-                                              [&] { return connection.cursor.next_message(log, n_bytes); });
-        if (!message) break;
-        co_await send(connection, asio::buffer(*message), false);
+    while (!connection.is_gone && !connection.is_paused && !connection.context.sessions.is_draining()) {
+        const auto range = connection.cursor.next_message(log, connection.context.limits.live_message_bytes);
+        if (!range) break;
+        co_await send_range(connection, *view.bytes, *range);
     }
     co_return !connection.is_paused && connection.cursor.is_complete(log);
 }
@@ -139,48 +143,65 @@ std::string end_message(const std::optional<ModelRecord>& model) {
     return end.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+/// Sends what a view has for this client. @return the reason to end, if there is one
+awaitable<std::optional<websocket::close_code>> send_view(Connection& connection, const LiveView& view) {
+    if (view.has_failed) co_return websocket::close_code::internal_error;
+    const bool is_complete = view.log && co_await send_frames(connection, view);
+    const bool is_over = !view.model || is_final(view.model->state);
+    const bool is_sealed = view.log && view.log->complete;
+    // A log is sealed a moment before the catalog hears of it: who is told the end finds it there, too.
+    if (!(is_sealed ? is_complete && is_over : is_complete || is_over)) co_return std::nullopt;
+    if (connection.is_gone || connection.context.sessions.is_draining()) co_return std::nullopt;
+    std::string end = end_message(view.model);
+    co_await send_text(connection, std::move(end));
+    co_return websocket::close_code::normal;
+}
+
 /// Follows the model until there is a reason to end. @return the reason
 awaitable<websocket::close_code> follow(Connection& connection) {
+    LiveFeed::Client client(connection.context.live_feeds.of(connection.wish.model_id), connection.wake_up);
     for (;;) {
         if (connection.is_gone) co_return websocket::close_code::none;
         if (connection.context.sessions.is_draining()) co_return websocket::close_code::going_away;
-        const Snapshot now = co_await on_pool(connection.context.quick_pool, [&] {
-            return look_up(connection.context.service, connection.wish.model_id);
-        });
-        bool is_complete = false;
-        if (now.log) is_complete = co_await send_frames(connection, *now.log);
-        const bool is_over = !now.model || is_final(now.model->state);
-        const bool is_sealed = now.log && now.log->complete;
-        // A log is sealed a moment before the catalog hears of it: who is told the end finds it there, too.
-        if (is_sealed ? is_complete && is_over : is_complete || is_over) {
-            std::string end = end_message(now.model);
-            co_await send_text(connection, std::move(end));
-            co_return websocket::close_code::normal;
+        if (const auto view = client.view()) {
+            const auto reason = co_await send_view(connection, *view);
+            if (reason) co_return *reason;
         }
-        co_await connection.wake_up->wait(std::chrono::seconds(30));
+        const bool raised = co_await connection.wake_up->wait(std::chrono::seconds(30));
+        if (!raised) client.look_again();
     }
 }
 
+/// Counts a live client as long as it is one.
+class LiveClientCount {
+public:
+    explicit LiveClientCount(Metrics& metrics) : metrics_(metrics) { ++metrics_.live_clients; }
+    ~LiveClientCount() { --metrics_.live_clients; }
+    LiveClientCount(const LiveClientCount&) = delete;
+    LiveClientCount& operator=(const LiveClientCount&) = delete;
+
+private:
+    Metrics& metrics_;
+};
+
 }  // namespace
 
-awaitable<void> serve_live(TcpStream stream, beast::http::request<beast::http::empty_body> upgrade,
+awaitable<void> serve_live(std::shared_ptr<Stream> stream, beast::http::request<beast::http::empty_body> upgrade,
                            ServerContext& context, LiveBody wish, std::shared_ptr<WakeUp> wake_up) {
+    const LiveClientCount counted(context.metrics);
     const auto connection = std::make_shared<Connection>(std::move(stream), context, std::move(wish), wake_up);
-    const ModelEvents::Subscription subscription(context.events, connection->wish.model_id,
-                                                 [wake_up] { wake_up->raise(); });
-    beast::get_lowest_layer(connection->socket).expires_never();  // the WebSocket has deadlines of its own
-    set_options(connection->socket);
+    connection->stream->expires_never();  // the WebSocket has deadlines of its own
+    set_options(*connection);
     co_await connection->socket.async_accept(upgrade, use_awaitable);
     connection->socket.binary(true);
     asio::co_spawn(connection->socket.get_executor(), read_client(connection), asio::detached);
 
     const CloseAtEnd close_at_end(*connection);
     const websocket::close_code code = co_await follow(*connection);
+    if (code == websocket::close_code::none) co_return;
     ErrorCode ignored;  // a client that does not answer the close frame in time is gone as well
-    const Deadline deadline(connection->socket.get_executor(), std::chrono::seconds(3),
-                            [&connection] { beast::get_lowest_layer(connection->socket).socket().close(); });
-    if (code != websocket::close_code::none)
-        co_await connection->socket.async_close(code, asio::redirect_error(use_awaitable, ignored));
+    connection->stream->expires_after(std::chrono::seconds(3));
+    co_await connection->socket.async_close(code, asio::redirect_error(use_awaitable, ignored));
 }
 
 }  // namespace anyrate

@@ -3,7 +3,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "proto/log_reader.h"
 #include "server/http/file_response.h"
@@ -102,6 +105,19 @@ Response made_response(const Request& request, const LogView& log, const std::st
     return response;
 }
 
+/// The prefix of a log that answers the request's budget. @param memory  the log's bytes if they are in memory
+Response prefix_response(const Request& request, const LogView& log,
+                         std::shared_ptr<const std::vector<std::byte>> memory) {
+    const std::uint64_t n_bytes = prefix_bytes(log, query_budget(request));
+    Representation prefix;
+    prefix.bytes = FileBody{log.file, 0, n_bytes, std::move(memory)};
+    prefix.content_type = "model/vnd.anyrate";
+    prefix.etag = etag_of(log, n_bytes, "");
+    prefix.is_immutable = log.sealed;
+    prefix.is_tag_of_prefix = [&log](std::string_view tag) { return is_tag_of_prefix(log, tag); };
+    return file_response(request, prefix);
+}
+
 const char* content_type_of(MeshFormat format) {
     switch (format) {
         case MeshFormat::ply:
@@ -130,16 +146,19 @@ const char* suffix_of(MeshFormat format) {
 
 Response serve_log(Service& service, const Request& request) {
     expect_only(request, {"vertices", "bytes", "distortion"});
-    const auto budget = query_budget(request);
-    const LogView log = expect_log(service, request);
-    const std::uint64_t n_bytes = prefix_bytes(log, budget);
-    Representation prefix;
-    prefix.bytes = FileBody{log.file, 0, n_bytes};
-    prefix.content_type = "model/vnd.anyrate";
-    prefix.etag = etag_of(log, n_bytes, "");
-    prefix.is_immutable = log.sealed;
-    prefix.is_tag_of_prefix = [&log](std::string_view tag) { return is_tag_of_prefix(log, tag); };
-    return file_response(request, prefix);
+    const std::uint64_t generation = service.hot_logs.generation();
+    LogView log = expect_log(service, request);
+    if (!log.sealed) return prefix_response(request, log, nullptr);
+    std::string etag = etag_of(log, log.size, "");
+    const auto hot = service.hot_logs.keep(request.captured.at("id"), std::move(log), std::move(etag), generation);
+    return prefix_response(request, hot->view, hot->bytes);
+}
+
+std::optional<Response> serve_hot_log(Service& service, const Request& request) {
+    expect_only(request, {"vertices", "bytes", "distortion"});
+    const auto hot = service.hot_logs.find(request.captured.at("id"));
+    if (!hot) return std::nullopt;
+    return prefix_response(request, hot->view, hot->bytes);
 }
 
 Response serve_index(Service& service, const Request& request) {

@@ -52,6 +52,7 @@ struct Request {
 struct FileBody {
     std::shared_ptr<const FileHandle> file;
     std::uint64_t begin = 0, n_bytes = 0;
+    std::shared_ptr<const std::vector<std::byte>> memory = {};  ///< the whole file, if it is in memory
 };
 
 /// The answer goes on as a WebSocket that sends frames as they are made.

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <utility>
 
+#include "server/http/capture_handlers.h"
 #include "server/http/model_json.h"
+#include "server/http/multipart.h"
 #include "server/http/problem.h"
 #include "server/http/query.h"
 #include "server/store/model_id.h"
@@ -23,7 +25,7 @@ Response json_response(int status, std::string json) {
 }
 
 ModelOptions query_options(const Request& request) {
-    expect_only(request, {"vertices", "coarse"});
+    expect_only(request, {"vertices", "coarse", "capture"});
     ModelOptions options;
     options.n_vertices = static_cast<int>(
         query_integer(request, "vertices", 100, 1'000'000).value_or(static_cast<std::uint64_t>(options.n_vertices)));
@@ -42,6 +44,11 @@ std::string idempotency_key(const Request& request) {
     return key;
 }
 
+std::optional<std::string> query_capture(const Request& request) {
+    const auto id = request.query.find("capture");
+    return id == request.query.end() ? std::nullopt : std::optional(id->second);
+}
+
 /// The media type without its parameters.
 std::string_view media_type(const Request& request) {
     const std::string_view field = request.headers.find("Content-Type").value_or("");
@@ -58,9 +65,26 @@ void expect_zip(const Upload& upload) {
 }
 
 /// What must be equal for a repeated key to mean the same request.
-std::string fingerprint(const ModelOptions& options, const Upload& upload) {
-    return "vertices=" + std::to_string(options.n_vertices) + "&coarse=" + std::to_string(options.n_coarse) +
-           "&bytes=" + std::to_string(upload.n_bytes);
+std::string fingerprint(const Request& request, const ModelOptions& options) {
+    std::string text = "vertices=" + std::to_string(options.n_vertices) +
+                       "&coarse=" + std::to_string(options.n_coarse) +
+                       "&bytes=" + std::to_string(request.upload->n_bytes);
+    if (const auto capture = query_capture(request)) text += "&capture=" + *capture;
+    return text;
+}
+
+/// Puts the capture of a request, as a zip, in the place of its body: what arrived file by file, or the parts of a
+/// form.
+void expect_capture(Service& service, const Request& request) {
+    const Upload& upload = request.upload.value();
+    if (const auto capture = query_capture(request)) {
+        if (upload.n_bytes > 0) throw HttpProblem(400, "a model of capture=" + *capture + " takes no body");
+        zip_arrived_capture(service, *capture, upload.file);
+    } else if (media_type(request) == "multipart/form-data") {
+        zip_form(*request.headers.find("Content-Type"), upload.file);
+    } else {
+        expect_zip(upload);
+    }
 }
 
 Response accepted(Service& service, const std::string& id) {
@@ -76,16 +100,22 @@ Response accepted(Service& service, const std::string& id) {
 void check_create_model(Service& service, const Request& request) {
     query_options(request);
     idempotency_key(request);
-    if (const auto type = media_type(request); type != "application/zip" && type != "application/octet-stream")
-        throw HttpProblem(415, "Content-Type \"" + std::string(type) + "\": expected application/zip");
+    if (const auto capture = query_capture(request)) {
+        expect_complete_capture(service, *capture);
+    } else if (const auto type = media_type(request);
+               type != "application/zip" && type != "application/octet-stream" && type != "multipart/form-data") {
+        throw HttpProblem(
+            415, "Content-Type \"" + std::string(type) + "\": expected application/zip or multipart/form-data");
+    }
+    if (media_type(request) == "multipart/form-data") multipart_boundary(*request.headers.find("Content-Type"));
     if (service.store.free_bytes() < service.min_free_bytes)
         throw HttpProblem(507, "the server's disk is full; delete models or try again later");
 }
 
 Response create_model(Service& service, const Request& request) {
     const ModelOptions options = query_options(request);
+    expect_capture(service, request);
     const Upload& upload = request.upload.value();
-    expect_zip(upload);
     const std::string id = new_model_id();
     // The capture is in place before the catalog knows of it: a crash in between leaves a folder that the next start
     // removes, never a model without its capture.
@@ -93,7 +123,7 @@ Response create_model(Service& service, const Request& request) {
     const Added added = service.catalog.add({.id = id,
                                              .options = options,
                                              .idempotency_key = idempotency_key(request),
-                                             .request_fingerprint = fingerprint(options, upload)},
+                                             .request_fingerprint = fingerprint(request, options)},
                                             now());
     if (added.kind != Added::Kind::made) service.store.remove(id);
     if (added.kind == Added::Kind::key_reused)

@@ -3,7 +3,9 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/system/error_code.hpp>
+
+namespace boost::beast {}
 
 namespace anyrate {
 
@@ -12,7 +14,6 @@ namespace beast = boost::beast;
 using asio::awaitable;
 using asio::use_awaitable;
 using asio::ip::tcp;
-using TcpStream = beast::tcp_stream;
 using ErrorCode = boost::system::error_code;
 
 }  // namespace anyrate

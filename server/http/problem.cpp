@@ -68,6 +68,8 @@ HttpProblem to_problem(std::exception_ptr error) {
         return problem;
     } catch (const InputError& input) {
         return {400, input.what()};
+    } catch (const DiskFull&) {
+        return {507, "the server's disk is full; delete models or try again later", {{"Retry-After", "10"}}};
     } catch (const IoError&) {
         return {503, "the server's storage does not answer; try again later", {{"Retry-After", "10"}}};
     } catch (...) {

@@ -1,6 +1,7 @@
 #include "server/http/router.h"
 
 #include <algorithm>
+#include <cassert>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -23,10 +24,19 @@ std::string_view next_segment(std::string_view& path) {
 
 bool is_name(std::string_view segment) { return segment.size() > 2 && segment.front() == '{' && segment.back() == '}'; }
 
+bool is_tail(std::string_view segment) { return is_name(segment) && segment.find("...}") != std::string_view::npos; }
+
 std::optional<Captured> match(std::string_view pattern, std::string_view path) {
     Captured captured;
     while (!pattern.empty() && !path.empty()) {
-        const std::string_view expected = next_segment(pattern), segment = next_segment(path);
+        const std::string_view expected = next_segment(pattern);
+        if (is_tail(expected)) {
+            path.remove_prefix(1);
+            if (path.empty()) return std::nullopt;
+            captured.emplace(expected.substr(1, expected.size() - 5), path);
+            return captured;
+        }
+        const std::string_view segment = next_segment(path);
         if (is_name(expected) && !segment.empty())
             captured.emplace(expected.substr(1, expected.size() - 2), segment);
         else if (expected != segment)
@@ -47,6 +57,13 @@ std::string joined(const std::set<std::string>& methods) {
 }
 
 }  // namespace
+
+std::size_t Router::number_of(const std::string& pattern) const {
+    const auto route =
+        std::find_if(routes_.begin(), routes_.end(), [&](const Route& r) { return r.pattern == pattern; });
+    assert(route != routes_.end());
+    return static_cast<std::size_t>(route - routes_.begin());
+}
 
 const Route& Router::find(Request& request) const {
     std::set<std::string> allowed;

@@ -6,38 +6,63 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/strand.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <condition_variable>
 #include <csignal>
+#include <memory>
 #include <mutex>
-#include <thread>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "server/http/context.h"
+#include "server/http/hot_logs.h"
 #include "server/http/http_session.h"
+#include "server/http/network_thread.h"
+#include "server/http/tokens.h"
+#include "server/store/capture_store.h"
 #include "server/store/sqlite_catalog.h"
 
 namespace anyrate {
 namespace {
 
 constexpr auto drain_patience = std::chrono::seconds(20);
+constexpr auto housekeeping_interval = std::chrono::seconds(10);
 
 tcp::endpoint endpoint_of(const ServerOptions& options) {
     ErrorCode error;
     const auto address = asio::ip::make_address(options.address, error);
     if (error) throw InputError("\"" + options.address + "\" is not an IP address");
-    if (!address.is_loopback() && options.token.empty())
-        throw InputError("listening on " + options.address +
-                         " needs a token (--token or ANYRATE_TOKEN): without one the server serves this machine only");
     return {address, options.port};
+}
+
+void expect_safe(const ServerOptions& options, const tcp::endpoint& endpoint, Tokens& tokens) {
+    if (!endpoint.address().is_loopback() && !tokens.has_writer())
+        throw InputError("listening on " + options.address +
+                         " needs a token (anyrate token, --token or ANYRATE_TOKEN): without one the server serves this "
+                         "machine only");
+}
+
+/// @return nullopt for plain HTTP @throws InputError
+std::optional<asio::ssl::context> tls_of(const ServerOptions& options) {
+    if (options.tls_certificate.empty() && options.tls_key.empty()) return std::nullopt;
+    if (options.tls_certificate.empty() || options.tls_key.empty())
+        throw InputError("TLS needs both a certificate (--tls-certificate) and its key (--tls-key)");
+    std::optional<asio::ssl::context> tls(std::in_place, asio::ssl::context::tls_server);
+    tls->set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
+                     asio::ssl::context::no_tlsv1_1);
+    ErrorCode error;
+    tls->use_certificate_chain_file(options.tls_certificate.string(), error);
+    if (error) throw InputError(options.tls_certificate.string() + ": no certificate chain in PEM: " + error.message());
+    tls->use_private_key_file(options.tls_key.string(), asio::ssl::context::pem, error);
+    if (error) throw InputError(options.tls_key.string() + ": no private key of the certificate: " + error.message());
+    return tls;
 }
 
 tcp::acceptor listen(asio::io_context& context, const tcp::endpoint& endpoint) {
     try {
-        tcp::acceptor acceptor(asio::make_strand(context));
+        tcp::acceptor acceptor(context);
         acceptor.open(endpoint.protocol());
         acceptor.set_option(asio::socket_base::reuse_address(true));
         acceptor.bind(endpoint);
@@ -54,14 +79,17 @@ awaitable<void> pause(asio::any_io_executor executor) {
     co_await timer.async_wait(use_awaitable);
 }
 
-/// Accepts connections until the acceptor is closed; each lives on a strand of its own.
-awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_context& io, ServerContext& context) {
+/// Accepts connections until the acceptor is closed, and gives them to the threads in turn.
+awaitable<void> accept_connections(tcp::acceptor& acceptor, std::vector<std::unique_ptr<NetworkThread>>& threads,
+                                   asio::ssl::context* tls, ServerContext& context) {
+    std::size_t next = 0;
     while (acceptor.is_open()) {
         if (context.sessions.count() >= context.limits.max_connections) {
             co_await pause(acceptor.get_executor());
             continue;
         }
-        tcp::socket socket(asio::make_strand(io));
+        NetworkThread& thread = *threads[next++ % threads.size()];
+        tcp::socket socket(thread.loop());
         ErrorCode error;
         co_await acceptor.async_accept(socket, asio::redirect_error(use_awaitable, error));
         if (error == asio::error::operation_aborted) co_return;
@@ -70,9 +98,14 @@ awaitable<void> accept_connections(tcp::acceptor& acceptor, asio::io_context& io
             continue;
         }
         socket.set_option(tcp::no_delay(true), error);
-        const auto executor = socket.get_executor();
-        asio::co_spawn(executor, serve_connection(std::move(socket), context), asio::detached);
+        asio::co_spawn(thread.loop(), serve_connection(std::move(socket), thread, tls, context), asio::detached);
     }
+}
+
+std::vector<std::unique_ptr<NetworkThread>> make_threads(int n) {
+    std::vector<std::unique_ptr<NetworkThread>> threads;
+    for (int i = 0; i < n; ++i) threads.push_back(std::make_unique<NetworkThread>());
+    return threads;
 }
 
 void wait_for(std::stop_token stop) {
@@ -85,60 +118,116 @@ void wait_for(std::stop_token stop) {
 HttpLimits limits_of(const ServerOptions& options) {
     HttpLimits limits;
     limits.max_upload_bytes = options.max_upload_bytes;
+    limits.max_connections = options.max_connections;
     return limits;
+}
+
+/// The counters of each route, and of requests that found none.
+std::vector<std::unique_ptr<RouteMetrics>> metrics_of(const Router& router) {
+    std::vector<std::unique_ptr<RouteMetrics>> metrics;
+    const auto add = [&](const std::string& method, const std::string& pattern) {
+        metrics.push_back(std::make_unique<RouteMetrics>());
+        metrics.back()->method = method;
+        metrics.back()->pattern = pattern;
+    };
+    for (const Route& route : router.routes()) add(route.method, route.pattern);
+    add("", "");
+    return metrics;
 }
 
 }  // namespace
 
-// Members are destroyed from the last to the first: threads before what they use.
+/// Removes captures that nobody made a model of for long, now and every hour.
+void watch_captures(asio::steady_timer& timer, asio::thread_pool& pool, CaptureStore& captures,
+                    const ServerOptions& options) {
+    asio::post(pool, [&] {
+        const auto now = std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now());
+        try {
+            const int n = captures.remove_older(now - options.keep_captures);
+            if (n > 0) options.log(std::to_string(n) + " old captures removed");
+        } catch (const IoError& error) {
+            options.log(std::string("captures: ") + error.what());
+        }
+    });
+    timer.expires_after(std::chrono::hours(1));
+    timer.async_wait([&](ErrorCode error) {
+        if (!error) watch_captures(timer, pool, captures, options);
+    });
+}
+
+// Members are destroyed from the last to the first: who uses before what is used.
 struct Server::State {
     explicit State(ServerOptions given)
         : options(std::move(given)),
           endpoint(endpoint_of(options)),
+          tls(tls_of(options)),
           store(options.data),
+          captures(options.data),
           catalog(store.catalog_file()),
-          acceptor(listen(io, endpoint)) {
+          threads(make_threads(options.n_network_threads)),
+          acceptor(listen(threads[0]->loop(), endpoint)) {
+        expect_safe(options, endpoint, tokens);
         store.remove_leftovers([this](const std::string& id) { return catalog.find(id).has_value(); });
+        metrics.routes = metrics_of(router);
+        context.hot_route = router.number_of("/v1/models/{id}/log");
     }
     ~State() { join(); }
 
     void join() {
         quick_pool.join();
         heavy_pool.join();
-        io.stop();
-        threads.clear();
+        for (const auto& thread : threads) thread->stop();
     }
 
     ServerOptions options;
     tcp::endpoint endpoint;
+    std::optional<asio::ssl::context> tls;
     ModelStore store;
+    CaptureStore captures;
+    Tokens tokens{options.data / "tokens.json", options.token};
     SqliteCatalog catalog;
     ModelEvents events;
-    asio::io_context io;
-    tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
-    Scheduler scheduler{catalog, events, options.worker_command, options.jobs, options.log};
-    Service service{.catalog = catalog,
-                    .store = store,
-                    .on_queued = [this] { scheduler.wake(); },
-                    .on_removed =
-                        [this](const std::string& id) {
-                            scheduler.abandon(id);
-                            events.notify(id);
-                        }};
-    Router router = make_router(service);
+    HotLogs hot_logs;
+    Metrics metrics;
     Sessions sessions;
     asio::thread_pool quick_pool{4};
     asio::thread_pool heavy_pool{1};
+    Service service{.catalog = catalog,
+                    .store = store,
+                    .captures = captures,
+                    .hot_logs = hot_logs,
+                    .metrics = metrics,
+                    .on_queued = [this] { scheduler->wake(); },
+                    .on_removed =
+                        [this](const std::string& id) {
+                            hot_logs.forget(id);
+                            scheduler->abandon(id);
+                            events.notify(id);
+                        },
+                    .max_capture_bytes = options.max_upload_bytes};
+    Router router = make_router(service);
+    LiveFeeds live_feeds{service, events, quick_pool};
     ServerContext context{.service = service,
                           .router = router,
                           .events = events,
                           .sessions = sessions,
+                          .live_feeds = live_feeds,
+                          .metrics = metrics,
                           .quick_pool = quick_pool,
                           .heavy_pool = heavy_pool,
                           .limits = limits_of(options),
-                          .token = options.token,
-                          .log = options.log};
-    std::vector<std::jthread> threads;
+                          .access = {tokens, options.is_private},
+                          .cors_origins = options.cors_origins,
+                          .log = options.log,
+                          .log_access = options.log_access,
+                          .log_from_status = options.log_from_status};
+    std::vector<std::unique_ptr<NetworkThread>> threads;
+    asio::steady_timer capture_timer{threads[0]->loop()};
+    tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
+    std::optional<Scheduler> scheduler{std::in_place,          catalog,      events,
+                                       options.worker_command, options.jobs, options.log};
+    Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
+                            options.log};
 };
 
 Server::Server(ServerOptions options) {
@@ -152,20 +241,22 @@ Server::~Server() = default;
 std::string Server::url() const {
     const auto endpoint = state_->acceptor.local_endpoint();
     const std::string address = endpoint.address().to_string();
-    return "http://" + (endpoint.address().is_v6() ? "[" + address + "]" : address) + ":" +
-           std::to_string(endpoint.port());
+    return (state_->tls ? std::string("https://") : "http://") +
+           (endpoint.address().is_v6() ? "[" + address + "]" : address) + ":" + std::to_string(endpoint.port());
 }
 
 void Server::run(std::stop_token stop) {
     State& state = *state_;
-    asio::co_spawn(state.acceptor.get_executor(), accept_connections(state.acceptor, state.io, state.context),
+    asio::co_spawn(state.acceptor.get_executor(),
+                   accept_connections(state.acceptor, state.threads, state.tls ? &*state.tls : nullptr, state.context),
                    asio::detached);
-    for (int i = 0; i < state.options.n_network_threads; ++i) state.threads.emplace_back([&state] { state.io.run(); });
+    watch_captures(state.capture_timer, state.quick_pool, state.captures, state.options);
+    for (const auto& thread : state.threads) thread->start();
     wait_for(stop);
 
     asio::post(state.acceptor.get_executor(), [&state] { state.acceptor.close(); });
     state.sessions.drain();
-    state.scheduler.stop();
+    state.scheduler->stop();
     if (!state.sessions.wait_until_empty(drain_patience)) state.options.log("connections were cut at the end");
     state.join();
 }

@@ -3,6 +3,7 @@
 #include <exception>
 #include <utility>
 
+#include "server/http/capture_handlers.h"
 #include "server/http/log_handlers.h"
 #include "server/http/model_handlers.h"
 #include "server/http/pages.h"
@@ -21,16 +22,29 @@ Router make_router(Service& service) {
         {"GET", "/", with_service(front_page)},
         {"GET", "/healthz", healthz},
         {"GET", "/readyz", with_service(readyz)},
-        {"GET", "/openapi.yaml", openapi},
+        {"GET", "/metrics", with_service(show_metrics)},
+        {"GET", "/openapi.yaml", openapi_yaml},
+        {"GET", "/openapi.json", openapi_json},
         {.method = "POST",
          .pattern = "/v1/models",
          .handle = with_service(create_model),
          .takes_upload = true,
          .check = [&service](const Request& request) { check_create_model(service, request); }},
+        {"POST", "/v1/captures", with_service(create_capture)},
+        {"GET", "/v1/captures/{id}", with_service(show_capture)},
+        {"DELETE", "/v1/captures/{id}", with_service(delete_capture)},
+        {.method = "PUT",
+         .pattern = "/v1/captures/{id}/files/{path...}",
+         .handle = with_service(put_capture_file),
+         .takes_upload = true,
+         .check = [&service](const Request& request) { check_put_capture_file(service, request); }},
         {"GET", "/v1/models", with_service(list_models)},
         {"GET", "/v1/models/{id}", with_service(show_model)},
         {"DELETE", "/v1/models/{id}", with_service(delete_model)},
-        {"GET", "/v1/models/{id}/log", with_service(serve_log)},
+        {.method = "GET",
+         .pattern = "/v1/models/{id}/log",
+         .handle = with_service(serve_log),
+         .answer_at_once = [&service](const Request& request) { return serve_hot_log(service, request); }},
         {"GET", "/v1/models/{id}/index", with_service(serve_index)},
         {"GET", "/v1/models/{id}/live", with_service(serve_live)},
         {"GET", "/v1/models/{id}/events", with_service(watch_model)},

@@ -3,7 +3,10 @@
 #include <functional>
 #include <string>
 
+#include "server/http/hot_logs.h"
+#include "server/http/metrics.h"
 #include "server/http/router.h"
+#include "server/store/capture_store.h"
 #include "server/store/catalog.h"
 #include "server/store/model_store.h"
 
@@ -13,8 +16,12 @@ namespace anyrate {
 struct Service {
     Catalog& catalog;
     ModelStore& store;
+    CaptureStore& captures;
+    HotLogs& hot_logs;
+    Metrics& metrics;
     std::function<void()> on_queued;                        ///< a model is in the queue
     std::function<void(const std::string& id)> on_removed;  ///< a model is gone from the catalog: end its worker
+    std::uint64_t max_capture_bytes = 1ull << 30;           ///< of all files of one that comes file by file
     std::uint64_t min_free_bytes = 64u << 20;               ///< below this the server is not ready and takes no upload
 };
 

@@ -59,7 +59,7 @@ class PushFetch(ServerTest):
         (self.folder / "bad" / "images").mkdir(parents=True)
         (self.folder / "bad" / "cameras.json").write_text("{}")
         done = run("push", self.folder / "bad", "--server", self.server.url, "--wait", check=False)
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 3)
         self.assertIn("cameras.json", done.stderr)
         self.assertEqual(self.server.request("GET", "/healthz")[0], 200)
 

@@ -7,6 +7,7 @@
 
 #include "proto/header.h"
 #include "proto/log_reader.h"
+#include "server/http/log_bytes.h"
 #include "server/jobs/durable_sink.h"
 #include "tests/unit/server/small_model.h"
 #include "tests/unit/server/temporary_folder.h"
@@ -24,8 +25,10 @@ struct Logs {
 
 std::vector<std::byte> drain(LiveCursor& cursor, const LogView& log, std::size_t message_bytes) {
     std::vector<std::byte> all;
+    const auto bytes = LogBytes::read(log, nullptr);
     while (const auto message = cursor.next_message(log, message_bytes))
-        all.insert(all.end(), message->begin(), message->end());
+        for (const auto part : bytes->slice(message->begin, message->end))
+            all.insert(all.end(), part.begin(), part.end());
     return all;
 }
 

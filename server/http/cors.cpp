@@ -1,0 +1,40 @@
+#include "server/http/cors.h"
+
+#include <algorithm>
+
+namespace anyrate {
+namespace {
+
+/// What Access-Control-Allow-Origin says to a request; nullopt if its origin is not allowed.
+std::optional<std::string> allowed_origin(const Request& request, const std::vector<std::string>& origins) {
+    const auto origin = request.headers.find("Origin");
+    if (!origin || origins.empty()) return std::nullopt;
+    if (std::find(origins.begin(), origins.end(), "*") != origins.end()) return "*";
+    if (std::find(origins.begin(), origins.end(), *origin) != origins.end()) return std::string(*origin);
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Response> answer_preflight(const Request& request, const std::vector<std::string>& origins) {
+    if (request.method != "OPTIONS" || !request.headers.find("Access-Control-Request-Method")) return std::nullopt;
+    if (!allowed_origin(request, origins)) return std::nullopt;
+    return Response{.status = 204,
+                    .headers = {{"Access-Control-Allow-Methods", "GET, HEAD, POST, PUT, DELETE"},
+                                {"Access-Control-Allow-Headers",
+                                 "Authorization, Content-Type, Content-Digest, Digest, Idempotency-Key, If-Match, "
+                                 "If-None-Match, If-Range, Range, X-Request-Id"},
+                                {"Access-Control-Max-Age", "86400"}},
+                    .body = {}};
+}
+
+void allow_origin(Response& response, const Request& request, const std::vector<std::string>& origins) {
+    const auto origin = allowed_origin(request, origins);
+    if (!origin) return;
+    response.headers.add("Access-Control-Allow-Origin", *origin);
+    if (*origin != "*") response.headers.add("Vary", "Origin");
+    response.headers.add("Access-Control-Expose-Headers",
+                         "Accept-Ranges, Content-Range, ETag, Location, Retry-After, X-Request-Id");
+}
+
+}  // namespace anyrate

@@ -1,0 +1,145 @@
+#include "server/store/capture_store.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "core/error.h"
+#include "server/store/file.h"
+#include "server/store/model_id.h"
+
+namespace anyrate {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+template <class Work>
+auto io(const Work& work) {
+    try {
+        return work();
+    } catch (const fs::filesystem_error& error) {
+        throw IoError(error.what());
+    }
+}
+
+json to_json(const CaptureFile& file) {
+    return {{"path", file.path}, {"bytes", file.n_bytes}, {"sha256", file.sha256}, {"fault", file.fault},
+            {"kind", file.kind}, {"width", file.width},   {"height", file.height}};
+}
+
+CaptureFile file_from(const json& entry) {
+    return {.path = entry.at("path"),
+            .n_bytes = entry.at("bytes"),
+            .sha256 = entry.at("sha256"),
+            .fault = entry.at("fault"),
+            .kind = entry.at("kind"),
+            .width = entry.at("width"),
+            .height = entry.at("height")};
+}
+
+bool comes_before(const CaptureFile& a, const CaptureFile& b) { return a.path < b.path; }
+
+}  // namespace
+
+std::uint64_t CaptureRecord::n_bytes() const {
+    std::uint64_t n = 0;
+    for (const CaptureFile& file : files) n += file.n_bytes;
+    return n;
+}
+
+CaptureStore::CaptureStore(const fs::path& data) : root_(data / "captures") {
+    io([&] { fs::create_directories(root_); });
+}
+
+fs::path CaptureStore::folder(const std::string& id) const {
+    if (!is_model_id(id)) throw InputError("\"" + id + "\" is not the id of a capture: expected 26 of a-z and 2-7");
+    return root_ / id;
+}
+
+bool CaptureStore::is_there(const std::string& id) const {
+    return is_model_id(id) && io([&] { return fs::exists(folder(id) / "files.json"); });
+}
+
+CaptureRecord CaptureStore::create(const std::string& id, Timestamp now) {
+    const std::lock_guard lock(mutex_);
+    if (is_there(id)) return read(id);
+    const CaptureRecord capture{.id = id, .created = now, .files = {}};
+    io([&] { fs::create_directories(folder(id) / "files"); });
+    write(capture);
+    sync_folder(root_);
+    return capture;
+}
+
+std::optional<CaptureRecord> CaptureStore::find(const std::string& id) {
+    const std::lock_guard lock(mutex_);
+    if (!is_there(id)) return std::nullopt;
+    return read(id);
+}
+
+bool CaptureStore::put(const std::string& id, const CaptureFile& file, const fs::path& upload) {
+    const std::lock_guard lock(mutex_);
+    if (!is_there(id)) return false;
+    const fs::path place = folder(id) / "files" / file.path;
+    io([&] {
+        fs::create_directories(place.parent_path());
+        fs::rename(upload, place);
+    });
+    sync_folder(place.parent_path());
+    CaptureRecord capture = read(id);
+    const auto at = std::lower_bound(capture.files.begin(), capture.files.end(), file, comes_before);
+    if (at != capture.files.end() && at->path == file.path)
+        *at = file;
+    else
+        capture.files.insert(at, file);
+    write(capture);
+    return true;
+}
+
+bool CaptureStore::remove(const std::string& id) {
+    const std::lock_guard lock(mutex_);
+    if (!is_there(id)) return false;
+    io([&] {
+        fs::remove(folder(id) / "files.json");  // first, so that a crash leaves no capture with half its files
+        fs::remove_all(folder(id));
+    });
+    return true;
+}
+
+int CaptureStore::remove_older(Timestamp time) {
+    std::vector<std::string> old;
+    {
+        const std::lock_guard lock(mutex_);
+        for (const auto& entry : io([&] { return std::vector<fs::path>{fs::directory_iterator(root_), {}}; })) {
+            const std::string id = entry.filename().string();
+            if (is_there(id) ? read(id).created < time : is_model_id(id)) old.push_back(id);
+        }
+    }
+    for (const std::string& id : old)
+        if (!remove(id)) io([&] { fs::remove_all(folder(id)); });  // what a crash left of one
+    return static_cast<int>(old.size());
+}
+
+CaptureRecord CaptureStore::read(const std::string& id) const {
+    const auto bytes = read_file(folder(id) / "files.json");
+    try {
+        const json document = json::parse(as_text(bytes));
+        CaptureRecord capture{
+            .id = id,
+            .created = Timestamp(std::chrono::milliseconds(document.at("created").get<std::int64_t>())),
+            .files = {}};
+        for (const json& entry : document.at("files")) capture.files.push_back(file_from(entry));
+        return capture;
+    } catch (const json::exception& error) {
+        throw IoError("the list of capture " + id + " is damaged: " + error.what());
+    }
+}
+
+void CaptureStore::write(const CaptureRecord& capture) const {
+    json document = {{"created", capture.created.time_since_epoch().count()}, {"files", json::array()}};
+    for (const CaptureFile& file : capture.files) document["files"].push_back(to_json(file));
+    const std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+    replace_file(folder(capture.id) / "files.json", as_bytes(text));
+}
+
+}  // namespace anyrate
