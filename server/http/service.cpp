@@ -40,6 +40,7 @@ Router make_router(Service& service) {
          .check = [&service](const Request& request) { check_put_capture_file(service, request); }},
         {"GET", "/v1/models", with_service(list_models)},
         {"GET", "/v1/models/{id}", with_service(show_model)},
+        {"POST", "/v1/models/{id}/cancel", with_service(cancel_model)},
         {"DELETE", "/v1/models/{id}", with_service(delete_model)},
         {.method = "GET",
          .pattern = "/v1/models/{id}/log",
