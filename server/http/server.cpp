@@ -210,7 +210,8 @@ struct Server::State {
                             scheduler->abandon(id);
                             events.notify(id);
                         },
-                    .max_capture_bytes = options.max_upload_bytes};
+                    .max_capture_bytes = options.max_upload_bytes,
+                    .viewer = ViewerFiles::load(options.viewer)};
     Router router = make_router(service);
     LiveFeeds live_feeds{service, events, quick_pool};
     ServerContext context{.service = service,
