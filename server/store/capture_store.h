@@ -13,7 +13,7 @@ namespace anyrate {
 
 /// A file of a capture that has arrived, and what was found of it then.
 struct CaptureFile {
-    std::string path;  ///< relative_name(): "images/000.png"
+    std::string path = {};  ///< relative_name(): "images/000.png"
     std::uint64_t n_bytes = 0;
     std::string sha256;         ///< hexadecimal
     std::string fault;          ///< why it cannot be used, a sentence; empty if it can
