@@ -38,7 +38,10 @@ run)
         packages+=(libboost1.81-dev libboost-url1.81-dev)
     fi
 
-    # The web reader. A nodejs from elsewhere brings its own npm, which stands in the way of Debian's.
+    # The viewer's tests run in a browser.
+    packages+=(chromium)
+
+    # The web client and viewer. A nodejs from elsewhere brings its own npm, which stands in the way of Debian's.
     if ! { command -v node && command -v npm; } >/dev/null; then
         packages+=(nodejs npm)
     fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The demo, on a fresh Debian 12 machine: installs, builds, photographs the vessel scene, reconstructs it through a server
-# and prints the server's address. What is there already is not made again.
+# and prints the viewer's address. What is there already is not made again.
 #
 # usage: server/run.sh [--once]      --once checks that the server answers and ends; otherwise Ctrl-C ends it
 # environment: ANYRATE_LISTEN, where to listen (default 127.0.0.1:8080; with --once any free port)
@@ -21,6 +21,11 @@ n_vertices=10000
 bash docker/install.sh
 mkdir -p "$demo"
 echo "== build"
+# npm ci deletes and fetches everything, so it runs only when the lock file is newer than what it left.
+if ! [ web/node_modules/.package-lock.json -nt web/package-lock.json ]; then
+    npm ci --prefix web --no-audit --no-fund >"$demo/npm.log" 2>&1 || { tail -n 40 "$demo/npm.log" >&2; exit 1; }
+fi
+npm run --prefix web viewer >"$demo/viewer.log" 2>&1 || { tail -n 40 "$demo/viewer.log" >&2; exit 1; }
 if ! { cmake -S . -B build -G Ninja && cmake --build build --target anyrate; } >"$demo/build.log" 2>&1; then
     tail -n 40 "$demo/build.log" >&2
     exit 1
@@ -65,8 +70,9 @@ if $once; then
     cmp "$demo/fetched.ply" "$demo/decoded.ply"
     n=$(grep -am1 '^element vertex' "$demo/decoded.ply" | cut -d' ' -f3)
     [ "$n" -ge 4998 ] && [ "$n" -le 5000 ] || { echo "asked for 5000 vertices, got $n" >&2; exit 1; }
+    curl -fsS "$url/models/$id" | grep -q '<div id="app">' || { echo "the viewer's page is not there" >&2; exit 1; }
     echo "$url answers; the prefix for 5000 vertices decodes to $n"
 else
-    echo "The model is at $url/v1/models/$id and on the page $url/ (Ctrl-C ends the server)"
+    echo "The viewer: $url/models/$id, all models: $url/ (Ctrl-C ends the server)"
     wait "$server"
 fi

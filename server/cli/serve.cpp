@@ -24,6 +24,7 @@ namespace {
 struct ServeCommand {
     std::string listen = "127.0.0.1:8080";
     std::filesystem::path data = "anyrate-data";
+    std::filesystem::path viewer = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "viewer";
     std::string token;
     bool is_private = false;
     std::filesystem::path tls_certificate, tls_key;
@@ -72,6 +73,7 @@ int serve(const ServeCommand& request) {
                    .keep_captures = std::chrono::hours(24 * request.keep_captures_days),
                    .max_connections = request.max_connections,
                    .n_network_threads = request.n_network_threads,
+                   .viewer = request.viewer,
                    .jobs = jobs,
                    .keep = keep_rule(request.jobs.keep_days, request.jobs.keep_mb),
                    .worker_command = worker_command(request),
@@ -144,6 +146,7 @@ void add_serve(CLI::App& app, Command& command) {
         ->envname("ANYRATE_MAX_UPLOAD")
         ->check(CLI::Range(1, 1 << 20))
         ->capture_default_str();
+    sub->add_option("--viewer", request->viewer, "folder of the web viewer; the one beside this program by default");
     add_access_options(*sub, *request);
     add_operation_options(*sub, *request);
     sub->footer(

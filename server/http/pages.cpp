@@ -96,7 +96,8 @@ Response text_response(std::string text, const char* content_type) {
 
 }  // namespace
 
-Response front_page(Service& service, const Request&) {
+Response front_page(Service& service, const Request& request) {
+    if (service.viewer) return service.viewer->page(request);
     const ModelPage models = service.catalog.list(max_models, "");
     std::ostringstream page;
     page << page_head;
@@ -113,6 +114,12 @@ Response front_page(Service& service, const Request&) {
     Response response = text_response(page.str(), "text/html; charset=utf-8");
     response.headers.add("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'");
     return response;
+}
+
+Response viewer_asset(Service& service, const Request& request) {
+    const std::string& name = request.captured.at("name");
+    if (!service.viewer) throw HttpProblem(404, "this server has no viewer: build it with npm run viewer in web/");
+    return service.viewer->asset(request, name);
 }
 
 Response healthz(const Request&) { return text_response("ok\n", "text/plain"); }
@@ -132,6 +139,9 @@ Response show_metrics(Service& service, const Request&) {
     std::string text = to_prometheus(service.metrics);
     write_metric(text, "anyrate_free_bytes", "gauge", "Bytes that are free on the disk of the data directory.",
                  static_cast<double>(service.store.free_bytes()));
+    text += "# HELP anyrate_models Models by state.\n# TYPE anyrate_models gauge\n";
+    for (const auto& [state, n] : service.catalog.counts())
+        text += std::string("anyrate_models{state=\"") + state_name(state) + "\"} " + std::to_string(n) + "\n";
     return text_response(std::move(text), "text/plain; version=0.0.4");
 }
 

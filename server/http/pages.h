@@ -3,8 +3,11 @@
 
 namespace anyrate {
 
-/// GET /: a plain page that lists the models and links their logs and meshes.
+/// GET / and /models/{id}: the web viewer, which finds by its address what to show; without one a plain page that lists
+/// the models and links their logs and meshes.
 Response front_page(Service& service, const Request& request);
+/// GET /assets/{name}: what the viewer's page loads. @throws HttpProblem 404
+Response viewer_asset(Service& service, const Request& request);
 /// GET /healthz: the process answers.
 Response healthz(const Request& request);
 /// GET /metrics: what the server counts, in the Prometheus text format.

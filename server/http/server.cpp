@@ -179,6 +179,12 @@ struct Server::State {
         for (const auto& thread : threads) thread->stop();
     }
 
+    SchedulerOptions counted_jobs() {
+        SchedulerOptions jobs = options.jobs;
+        jobs.on_stage = [this](const std::string& stage, double seconds) { metrics.stages.add(stage, seconds); };
+        return jobs;
+    }
+
     ServerOptions options;
     tcp::endpoint endpoint;
     std::optional<asio::ssl::context> tls;
@@ -204,7 +210,8 @@ struct Server::State {
                             scheduler->abandon(id);
                             events.notify(id);
                         },
-                    .max_capture_bytes = options.max_upload_bytes};
+                    .max_capture_bytes = options.max_upload_bytes,
+                    .viewer = ViewerFiles::load(options.viewer)};
     Router router = make_router(service);
     LiveFeeds live_feeds{service, events, quick_pool};
     ServerContext context{.service = service,
@@ -224,8 +231,8 @@ struct Server::State {
     std::vector<std::unique_ptr<NetworkThread>> threads;
     asio::steady_timer capture_timer{threads[0]->loop()};
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
-    std::optional<Scheduler> scheduler{std::in_place,          catalog,      events,
-                                       options.worker_command, options.jobs, options.log};
+    std::optional<Scheduler> scheduler{std::in_place,          catalog,        events,
+                                       options.worker_command, counted_jobs(), options.log};
     Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
                             options.log};
 };

@@ -26,6 +26,7 @@ struct ServerOptions {
     std::chrono::hours keep_captures = std::chrono::hours(24 * 7);  ///< that came file by file, since they were begun
     std::size_t max_connections = 10'000;
     int n_network_threads = 2;
+    std::filesystem::path viewer = {};  ///< folder of the web viewer's files; none there: a plain page
     SchedulerOptions jobs = {};
     KeepRule keep = {};  ///< of finished models
     WorkerCommand worker_command;

@@ -7,6 +7,7 @@
 #include "server/http/log_handlers.h"
 #include "server/http/model_handlers.h"
 #include "server/http/pages.h"
+#include "server/http/photograph_handlers.h"
 #include "server/http/problem.h"
 
 namespace anyrate {
@@ -20,6 +21,8 @@ Router make_router(Service& service) {
     };
     return Router({
         {"GET", "/", with_service(front_page)},
+        {"GET", "/models/{id}", with_service(front_page)},
+        {"GET", "/assets/{name}", with_service(viewer_asset)},
         {"GET", "/healthz", healthz},
         {"GET", "/readyz", with_service(readyz)},
         {"GET", "/metrics", with_service(show_metrics)},
@@ -40,6 +43,7 @@ Router make_router(Service& service) {
          .check = [&service](const Request& request) { check_put_capture_file(service, request); }},
         {"GET", "/v1/models", with_service(list_models)},
         {"GET", "/v1/models/{id}", with_service(show_model)},
+        {"POST", "/v1/models/{id}/cancel", with_service(cancel_model)},
         {"DELETE", "/v1/models/{id}", with_service(delete_model)},
         {.method = "GET",
          .pattern = "/v1/models/{id}/log",
@@ -48,6 +52,11 @@ Router make_router(Service& service) {
         {"GET", "/v1/models/{id}/index", with_service(serve_index)},
         {"GET", "/v1/models/{id}/live", with_service(serve_live)},
         {"GET", "/v1/models/{id}/events", with_service(watch_model)},
+        {.method = "GET", .pattern = "/v1/models/{id}/cameras", .handle = with_service(show_cameras), .is_heavy = true},
+        {.method = "GET",
+         .pattern = "/v1/models/{id}/photographs/{number}",
+         .handle = with_service(show_photograph),
+         .is_heavy = true},
         {.method = "GET", .pattern = "/v1/models/{id}/mesh.ply", .handle = mesh(MeshFormat::ply), .is_heavy = true},
         {.method = "GET", .pattern = "/v1/models/{id}/mesh.obj", .handle = mesh(MeshFormat::obj), .is_heavy = true},
         {.method = "GET", .pattern = "/v1/models/{id}/mesh.glb", .handle = mesh(MeshFormat::glb), .is_heavy = true},

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "server/http/hot_logs.h"
 #include "server/http/metrics.h"
 #include "server/http/router.h"
+#include "server/http/viewer_files.h"
 #include "server/store/capture_store.h"
 #include "server/store/catalog.h"
 #include "server/store/model_store.h"
@@ -23,6 +25,7 @@ struct Service {
     std::function<void(const std::string& id)> on_removed;  ///< a model is gone from the catalog: end its worker
     std::uint64_t max_capture_bytes = 1ull << 30;           ///< of all files of one that comes file by file
     std::uint64_t min_free_bytes = 64u << 20;               ///< below this the server is not ready and takes no upload
+    std::shared_ptr<const ViewerFiles> viewer = {};         ///< nullptr: a plain page in its place
 };
 
 /// Every route of the HTTP interface. `service` must outlive it.

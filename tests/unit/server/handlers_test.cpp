@@ -228,3 +228,38 @@ TEST_CASE("Readiness: a full disk is told, and takes no upload") {
     CHECK(f.get("/readyz").status == 503);
     CHECK(f.post("PK\x03\x04").status == 507);
 }
+
+TEST_CASE("Viewer: its page and files are served with their types, as packed as the client takes them") {
+    Fixture f;
+    CHECK(f.text(f.get("/")).find("no model yet") != std::string::npos);
+    CHECK(f.get("/assets/a.js").status == 404);
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "assets");
+    replace_file(folder.path() / "index.html", as_bytes("<title>viewer</title>"));
+    replace_file(folder.path() / "assets" / "a.js", as_bytes("plain"));
+    replace_file(folder.path() / "assets" / "a.js.br", as_bytes("packed"));
+    f.service.viewer = ViewerFiles::load(folder.path());
+    for (const char* path : {"/", "/models/aaaaaaaaaaaaaaaaaaaaaaaaaa"}) {
+        const Response page = f.get(path);
+        CHECK(f.text(page) == "<title>viewer</title>");
+        CHECK(page.headers.find("Content-Security-Policy")
+                  .value_or("")
+                  .starts_with("default-src 'none'; script-src 'self'"));
+    }
+    CHECK(f.text(f.get("/assets/a.js")) == "plain");
+    const Response packed = f.get("/assets/a.js", {}, {{"Accept-Encoding", "gzip, deflate, br"}});
+    CHECK(f.text(packed) == "packed");
+    CHECK(packed.headers.find("Content-Encoding") == "br");
+    CHECK(packed.headers.find("Content-Type") == "text/javascript; charset=utf-8");
+    CHECK(f.text(f.get("/assets/a.js", {}, {{"Accept-Encoding", "brotli"}})) == "plain");
+    CHECK(f.get("/assets/..%2Findex.html").status == 404);
+    CHECK(f.get("/assets/b.js").status == 404);
+}
+
+TEST_CASE("Photographs: of a capture that is none, 404 says why") {
+    Fixture f;
+    const std::string id = nlohmann::json::parse(f.text(f.post("PK\x03\x04 rest")))["id"];
+    for (const char* rest : {"/cameras", "/photographs/0", "/photographs/x"})
+        CHECK(f.get("/v1/models/" + id + rest).status == 404);
+    CHECK(f.text(f.get("/v1/models/" + id + "/cameras")).find("has no photographs to show") != std::string::npos);
+}

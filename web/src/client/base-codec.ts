@@ -11,10 +11,7 @@ import { maxBaseFacesPerByte, maxBaseVerticesPerByte } from "./limits.js";
  */
 export function decodeBase(payload: Uint8Array, header: Header, draco: DracoDecoder): IntegerMesh {
     const { nBaseVertices, nBaseFaces, grid } = header;
-    const nBytes = payload.length;
-    if (nBaseVertices > maxBaseVerticesPerByte * nBytes || nBaseFaces > maxBaseFacesPerByte * nBytes) {
-        throw new DecodeError(`base: ${nBytes} bytes cannot hold ${nBaseVertices} vertices and ${nBaseFaces} faces`);
-    }
+    checkBaseSize(payload, header);
     const base = draco.decodeMesh(payload, nBaseVertices, nBaseFaces);
     const limit = 2 ** (grid.bits - grid.baseShift);
     const positions = base.positions.map((x, i) => {
@@ -24,4 +21,12 @@ export function decodeBase(payload: Uint8Array, header: Header, draco: DracoDeco
         return x << grid.baseShift;
     });
     return { positions, triangles: base.triangles };
+}
+
+/** @throws DecodeError if the header promises more than so few bytes can hold */
+export function checkBaseSize(payload: Uint8Array, { nBaseVertices, nBaseFaces }: Header): void {
+    const nBytes = payload.length;
+    if (nBaseVertices > maxBaseVerticesPerByte * nBytes || nBaseFaces > maxBaseFacesPerByte * nBytes) {
+        throw new DecodeError(`base: ${nBytes} bytes cannot hold ${nBaseVertices} vertices and ${nBaseFaces} faces`);
+    }
 }

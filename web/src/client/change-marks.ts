@@ -24,6 +24,14 @@ export class ChangeMarks {
         if (element > this.highest) this.highest = element;
     }
 
+    markRange({ first, count }: Range): void {
+        if (count <= 0) return;
+        this.reserve(first + count);
+        this.flags.fill(1, first, first + count);
+        this.lowest = Math.min(this.lowest, first);
+        this.highest = Math.max(this.highest, first + count - 1);
+    }
+
     /**
      * What was marked since the last call, ascending, and forgets it. Ranges that no more than `mergedGap` unchanged
      * elements keep apart are told as one: a few large uploads to a graphics card cost less than many small ones.

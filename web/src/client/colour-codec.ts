@@ -10,12 +10,16 @@ export interface ColourResiduals {
     readonly chroma: Int32Array;
 }
 
+/** Of its attributes: luma, chroma. */
+export const colourComponents = [1, 2] as const;
+
 /**
  * The payload of a colour frame (proto/FORMAT.md, "Payloads").
  * @throws DecodeError if it is not a packet of exactly nVertices residuals, or one exceeds 511 in magnitude
  */
 export function decodeColour(payload: Uint8Array, nVertices: number, draco: DracoDecoder): ColourResiduals {
-    const [luma, chroma] = draco.decodePointCloud(payload, nVertices, [1, 2]) as [Int32Array, Int32Array];
+    const decoded = draco.decodePointCloud(payload, nVertices, colourComponents);
+    const [luma, chroma] = decoded as [Int32Array, Int32Array];
     for (const values of [luma, chroma]) {
         const beyond = values.find((value) => Math.abs(value) > maxColourResidual);
         if (beyond !== undefined) {

@@ -8,6 +8,12 @@ import { RollingHash } from "./rolling-hash.js";
 
 const grey = 128;
 
+/** A copy of the colours of a mesh and their hash. */
+export interface ColourSnapshot {
+    readonly colours: Uint8Array;
+    readonly hash: number;
+}
+
 /** One 8-bit RGB triple a vertex, the same at both ends of the stream. */
 export class ColourState {
     /** r g b of each vertex; may be longer than the mesh, and is replaced when it grows. */
@@ -25,6 +31,16 @@ export class ColourState {
     /** Rolling hash over all corrected colours. */
     get hash(): number {
         return this.rolling.value;
+    }
+
+    snapshot(nVertices: number): ColourSnapshot {
+        return { colours: this.colours.slice(0, 3 * nVertices), hash: this.rolling.value };
+    }
+
+    /** Goes back to a state of fewer vertices. */
+    restore({ colours, hash }: ColourSnapshot): void {
+        this.colours.set(colours);
+        this.rolling.value = hash;
     }
 
     /** The vertices of the base, each at the rounded mean of its lower-numbered neighbours, then corrected. */

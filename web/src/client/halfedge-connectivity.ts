@@ -6,6 +6,16 @@ import { next, prev } from "./halfedge.js";
 import { maxLogVertices, maxValence } from "./limits.js";
 import { UndoJournal } from "./undo-journal.js";
 
+/** A copy of a connectivity's arrays. */
+export interface ConnectivityState {
+    readonly nVertices: number;
+    readonly nFaces: number;
+    readonly corners: Int32Array;
+    readonly twins: Int32Array;
+    readonly outgoing: Int32Array;
+    readonly valences: Int32Array;
+}
+
 /**
  * A closed, oriented, manifold triangle mesh as typed arrays. They are open to be read by the kernels of RefinableMesh;
  * written they are here only. They may be longer than the mesh, and are replaced by larger ones when it grows.
@@ -149,6 +159,29 @@ export class HalfedgeConnectivity {
         this.addValence(s, 1);
     }
 
+    snapshot(): ConnectivityState {
+        const { nVertices, nFaces } = this;
+        return {
+            nVertices,
+            nFaces,
+            corners: this.corners.slice(0, 3 * nFaces),
+            twins: this.twins.slice(0, 3 * nFaces),
+            outgoing: this.outgoing.slice(0, nVertices),
+            valences: this.valences.slice(0, nVertices),
+        };
+    }
+
+    /** Goes back to a state of fewer vertices and faces; every face counts as changed. */
+    restore(state: ConnectivityState): void {
+        this.nVertices = state.nVertices;
+        this.nFaces = state.nFaces;
+        this.corners.set(state.corners);
+        this.twins.set(state.twins);
+        this.outgoing.set(state.outgoing);
+        this.valences.set(state.valences);
+        for (let f = 0; f < this.nFaces; ++f) this.changedFaces.mark(f);
+    }
+
     commit(): void {
         this.journal.clear();
     }
@@ -174,6 +207,7 @@ export class HalfedgeConnectivity {
 
     private resize(nVertices: number, nFaces: number): void {
         // All arrays grow before the first journalled write: the journal keeps the arrays.
+        if (3 * nFaces > this.corners.length || nVertices > this.valences.length) this.journal.release();
         this.corners = withRoomFor(3 * nFaces, this.corners);
         this.twins = withRoomFor(3 * nFaces, this.twins);
         this.outgoing = withRoomFor(nVertices, this.outgoing);

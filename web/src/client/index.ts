@@ -1,9 +1,13 @@
-// What the package offers. Nothing here knows a DOM, a network or three.js.
+// What the package offers. Nothing here knows a DOM, Node or three.js.
 export type { Budget, Prefix } from "./budget.js";
 export { prefixFor } from "./budget.js";
 export type { Range } from "./change-marks.js";
 export { DecodeError } from "./decode-error.js";
 export type { DracoDecoder } from "./draco.js";
+export { dracoInWorker } from "./draco-in-worker.js";
+export type { DracoWorkerOptions } from "./draco-in-worker.js";
+export { dracoInThread } from "./draco-service.js";
+export type { DracoService } from "./draco-service.js";
 export { loadDraco3d } from "./draco3d.js";
 export type { Draco3dOptions } from "./draco3d-module.js";
 export type { Frame } from "./frame.js";
@@ -11,12 +15,20 @@ export { frameTypeName, FrameType } from "./frame.js";
 export type { ColourSteps, Grid, Header } from "./header.js";
 export { decodeHeader, headerBytesNeeded } from "./header.js";
 export type { IntegerMesh } from "./integer-mesh.js";
+export type { LiveOptions, LiveStatus } from "./live-connection.js";
 export type { IndexRow, SideIndex } from "./log-index.js";
 export { decodeIndexRows, decodeSideIndex } from "./log-index.js";
 export type { LogFrame, LogLayout } from "./log-layout.js";
 export { readLayout } from "./log-layout.js";
+export type { ModelEvent, ModelOptions } from "./model.js";
+export { firstRequestBytes, followModel, Model, openModel } from "./model.js";
 export { ModelDecoder } from "./model-decoder.js";
+export type { Platform } from "./platform.js";
 export type { MeshChanges } from "./progressive-mesh.js";
 export { ProgressiveMesh } from "./progressive-mesh.js";
 export type { DecodedLog } from "./read-log.js";
 export { decodeLog } from "./read-log.js";
+export { ServerError } from "./server-problem.js";
+export type { ModelChanges } from "./sliced-decoder.js";
+
+export type { components, paths } from "./http-api.js";

@@ -1,27 +1,18 @@
-import { ByteQueue } from "./byte-queue.js";
-import { DecodeError } from "./decode-error.js";
 import type { DracoDecoder } from "./draco.js";
-import { frameHeaderSize, FrameType, payloadOf, readFrame } from "./frame.js";
+import { FrameType } from "./frame.js";
 import type { Frame } from "./frame.js";
-import { decodeHeader, headerBytesNeeded, headerSize } from "./header.js";
 import type { Header } from "./header.js";
-import { decodeIndexRows } from "./log-index.js";
 import type { IndexRow } from "./log-index.js";
-import { LogOrder } from "./log-order.js";
+import { LogScanner } from "./log-scanner.js";
+import type { ScannedFrame } from "./log-scanner.js";
 import { ProgressiveMesh } from "./progressive-mesh.js";
 
-/** Decodes a log frame by frame as bytes arrive. */
+/** Decodes a log frame by frame as bytes arrive, at once and in this thread. */
 export class ModelDecoder {
     private readonly draco: DracoDecoder;
-    private readonly queue = new ByteQueue();
-    /** Bytes of the log before the queue. */
-    private consumed = 0;
-    private order: LogOrder | undefined;
+    private readonly scanner = new LogScanner();
     private maxVertices = Infinity;
     private failure: { readonly error: unknown } | undefined;
-
-    private headerRead: Header | undefined;
-    private indexRead: readonly IndexRow[] | undefined;
     private meshRead: ProgressiveMesh | undefined;
     private sequenceRead: number | undefined;
 
@@ -31,11 +22,11 @@ export class ModelDecoder {
 
     /** Undefined before it has arrived. */
     get header(): Header | undefined {
-        return this.headerRead;
+        return this.scanner.header;
     }
     /** Of a sealed log. */
     get index(): readonly IndexRow[] | undefined {
-        return this.indexRead;
+        return this.scanner.index;
     }
     /** Undefined before the base has arrived; later always the same object. */
     get mesh(): ProgressiveMesh | undefined {
@@ -47,11 +38,11 @@ export class ModelDecoder {
     }
     /** Bytes of the log up to the end of the last whole header or frame. */
     get wholeBytes(): number {
-        return this.consumed;
+        return this.scanner.wholeBytes;
     }
     /** Whether the end frame has arrived. */
     get ended(): boolean {
-        return this.order?.ended ?? false;
+        return this.scanner.ended;
     }
 
     /**
@@ -62,8 +53,13 @@ export class ModelDecoder {
      */
     feed(bytes: Uint8Array): Frame[] {
         return this.guarded(() => {
-            this.queue.push(bytes);
-            return this.takeWholeParts();
+            this.scanner.push(bytes);
+            const frames: Frame[] = [];
+            for (let scanned = this.scanner.next(); scanned; scanned = this.scanner.next()) {
+                this.take(scanned);
+                frames.push(scanned.frame);
+            }
+            return frames;
         });
     }
 
@@ -86,46 +82,14 @@ export class ModelDecoder {
         }
     }
 
-    private takeWholeParts(): Frame[] {
-        const frames: Frame[] = [];
-        this.takeHeader();
-        while (this.order) {
-            const bytes = this.queue.bytes;
-            if (this.order.ended && bytes.length > 0) throw new DecodeError("bytes behind the end frame of the log");
-            const frame = readFrame(bytes, this.consumed);
-            if (!frame) break;
-            this.takeFrame(this.order, frame, payloadOf(bytes, frame));
-            this.drop(frameHeaderSize + frame.payloadBytes);
-            frames.push(frame);
-        }
-        return frames;
-    }
-
-    private takeHeader(): void {
-        const bytes = this.queue.bytes;
-        if (this.order || bytes.length < headerSize || bytes.length < headerBytesNeeded(bytes)) return;
-        this.headerRead = decodeHeader(bytes);
-        this.order = new LogOrder(this.headerRead);
-        this.drop(this.headerRead.headerBytes);
-    }
-
-    private takeFrame(order: LogOrder, frame: Frame, payload: Uint8Array): void {
-        order.accept(frame);
-        if (frame.type === FrameType.index) {
-            this.indexRead = decodeIndexRows(payload);
-            return;
-        }
+    private take({ frame, payload }: ScannedFrame): void {
+        if (frame.type === FrameType.index) return;
         if (frame.type === FrameType.base) {
-            this.meshRead = new ProgressiveMesh(this.headerRead!, frame, payload, this.draco);
+            this.meshRead = new ProgressiveMesh(this.scanner.header!, frame, payload, this.draco);
             this.meshRead.setMaxVertices(this.maxVertices);
         } else {
             this.meshRead!.apply(frame, payload);
         }
         this.sequenceRead = frame.sequence;
-    }
-
-    private drop(nBytes: number): void {
-        this.queue.drop(nBytes);
-        this.consumed += nBytes;
     }
 }

@@ -3,13 +3,15 @@ import type { Range } from "./change-marks.js";
 import { decodeColour } from "./colour-codec.js";
 import type { ColourResiduals } from "./colour-codec.js";
 import { ColourState } from "./colour-state.js";
+import type { ColourSnapshot } from "./colour-state.js";
 import { DecodeError } from "./decode-error.js";
 import type { DracoDecoder } from "./draco.js";
 import { flagNewBatch, FrameType } from "./frame.js";
 import type { Frame } from "./frame.js";
+import { prev } from "./halfedge.js";
 import type { Grid, Header } from "./header.js";
 import { RefinableMesh } from "./refinable-mesh.js";
-import type { SplitRecords } from "./refinable-mesh.js";
+import type { RefinableMeshState, SplitRecords } from "./refinable-mesh.js";
 import { decodeRefine, noPreviousFace } from "./refine-codec.js";
 
 /** What changed in a mesh, for whoever keeps a copy of it on a graphics card. A few unchanged elements are among it. */
@@ -25,7 +27,9 @@ export interface MeshChanges {
 /** A frame that waits for its turn; its payload is decoded only then, so that waiting takes no more than its bytes. */
 interface Waiting<Decoded> {
     readonly frame: Frame;
-    readonly payload: Uint8Array;
+    /** Until it is decoded. */
+    payload: Uint8Array | undefined;
+    draco: DracoDecoder | undefined;
     decoded?: Decoded;
 }
 
@@ -37,8 +41,23 @@ interface Packet {
     nColoured: number;
 }
 
-/** Unchanged elements that may lie inside a reported range. */
-const mergedGap = 64;
+/** A state of the mesh to which coarsen() can go back. */
+interface Snapshot {
+    readonly mesh: RefinableMeshState;
+    readonly colours: ColourSnapshot;
+    /** Where the log stood: splits and colours of the packet of this number. */
+    readonly packet: number;
+    readonly nReplayed: number;
+    readonly nColoured: number;
+}
+
+export interface ProgressiveMeshOptions {
+    /**
+     * Keeps what coarsen() needs: the records of every split, and the mesh at the base and whenever it has doubled.
+     * Takes about 105 bytes a vertex more.
+     */
+    readonly keepsHistory?: boolean;
+}
 
 /**
  * The mesh of a log, refined frame by frame as far as a vertex budget goes, and checked against the state hash of every
@@ -51,13 +70,25 @@ export class ProgressiveMesh {
     private readonly colourState: ColourState;
     private coloursSeen = false;
     private maxVertices = Infinity;
-    /** Not wholly replayed, and the last one, whose colours may come. */
+    /** Not wholly replayed, and the last one, whose colours may come; with a history all of them. */
     private readonly packets: Packet[] = [];
+    /** The one that is being replayed. */
+    private current = 0;
+    /** By their sizes, ascending; none without a history. */
+    private readonly snapshots: Snapshot[] = [];
+    private readonly keepsHistory: boolean;
     private previousFace = noPreviousFace;
     private changedColoursFrom = 0;
 
     /** @throws DecodeError if the payload of the base frame is not the closed manifold that header and hash promise */
-    constructor(header: Header, baseFrame: Frame, payload: Uint8Array, draco: DracoDecoder) {
+    constructor(
+        header: Header,
+        baseFrame: Frame,
+        payload: Uint8Array,
+        draco: DracoDecoder,
+        options: ProgressiveMeshOptions = {},
+    ) {
+        this.keepsHistory = options.keepsHistory ?? false;
         this.grid = header.grid;
         this.draco = draco;
         this.mesh = new RefinableMesh(decodeBase(payload, header, draco), header.grid.bits, header.stepRatio);
@@ -98,6 +129,22 @@ export class ProgressiveMesh {
         return this.mesh.parents.subarray(0, 2 * this.nVertices);
     }
 
+    /** Calls back with every vertex that shares an edge with this one. */
+    forEachNeighbour(vertex: number, visit: (neighbour: number) => void): void {
+        const { corners, twins, outgoing } = this.mesh.connectivity;
+        let spoke = outgoing[vertex];
+        do {
+            const back = prev(spoke);
+            visit(corners[back]);
+            spoke = twins[back];
+        } while (spoke !== outgoing[vertex]);
+    }
+
+    /** Puts the sum of the normals of a vertex's faces, each as long as twice its area in grid units, into `sum`. */
+    ringNormal(vertex: number, sum: Float64Array): void {
+        this.mesh.sumRingNormal(vertex, sum);
+    }
+
     /**
      * Writes x y z of a range of vertices in world units to `into`, at three times their numbers.
      * @param into as long as the mesh, at least
@@ -121,18 +168,21 @@ export class ProgressiveMesh {
 
     /**
      * Takes the next refine or colour frame, in the order that LogOrder accepts, and replays what the budget allows.
+     * @param draco decodes this payload, when its turn comes; the decoder of the base if left out
      * @throws DecodeError: the mesh stays as before the split or frame at fault, and is to be given no more frames
      */
-    apply(frame: Frame, payload: Uint8Array): void {
+    apply(frame: Frame, payload: Uint8Array, draco = this.draco): void {
         if (frame.type === FrameType.refine) {
-            this.packets.push({ refine: { frame, payload: payload.slice() }, nReplayed: 0, nColoured: 0 });
+            const refine = { frame, payload: payload.slice(), draco };
+            this.packets.push({ refine, nReplayed: 0, nColoured: 0 });
+            if (this.keepsHistory && this.snapshots.length === 0) this.keep();
             this.replay();
         } else if (frame.type === FrameType.colour) {
             this.coloursSeen = true;
             if (frame.nSplits === 0) {
-                this.colourBase(frame, payload);
+                this.colourBase(frame, payload, draco);
             } else {
-                this.packets[this.packets.length - 1].colour = { frame, payload: payload.slice() };
+                this.packets[this.packets.length - 1].colour = { frame, payload: payload.slice(), draco };
                 this.replay();
             }
         }
@@ -148,8 +198,32 @@ export class ProgressiveMesh {
         this.replay();
     }
 
-    /** What changed since the last call; at the first, all. */
-    takeChanges(): MeshChanges {
+    /**
+     * Goes back to the largest kept state of at most so many vertices, or else to the base, if the mesh has more; then
+     * setMaxVertices() replays up to the budget again, from records that are decoded already. All counts as changed.
+     * @returns whether the mesh has changed
+     */
+    coarsen(maxVertices: number): boolean {
+        const fitting = this.snapshots.filter(({ mesh }) => mesh.connectivity.nVertices <= maxVertices);
+        const state = fitting.at(-1) ?? this.snapshots[0];
+        if (!state || this.nVertices <= Math.max(maxVertices, state.mesh.connectivity.nVertices)) return false;
+        this.mesh.restore(state.mesh);
+        this.colourState.restore(state.colours);
+        for (const packet of this.packets.slice(state.packet)) packet.nReplayed = packet.nColoured = 0;
+        this.current = state.packet;
+        const packet = this.packets[this.current];
+        packet.nReplayed = state.nReplayed;
+        packet.nColoured = state.nColoured;
+        this.maxVertices = this.nVertices;
+        this.changedColoursFrom = 0;
+        return true;
+    }
+
+    /**
+     * What changed since the last call; at the first, all.
+     * @param mergedGap ranges with no more than so many unchanged elements between them are told as one
+     */
+    takeChanges(mergedGap = 64): MeshChanges {
         const coloured = { first: this.changedColoursFrom, count: this.nVertices - this.changedColoursFrom };
         this.changedColoursFrom = this.nVertices;
         return {
@@ -159,20 +233,33 @@ export class ProgressiveMesh {
         };
     }
 
-    private colourBase(frame: Frame, payload: Uint8Array): void {
-        this.colourState.correctBase(this.mesh, decodeColour(payload, this.nVertices, this.draco));
+    private colourBase(frame: Frame, payload: Uint8Array, draco: DracoDecoder): void {
+        this.colourState.correctBase(this.mesh, decodeColour(payload, this.nVertices, draco));
         this.changedColoursFrom = 0;
         checkHash(frame, "colour", this.colourState.hash);
     }
 
     private replay(): void {
-        while (this.packets.length > 0) {
-            const packet = this.packets[0];
+        while (this.current < this.packets.length) {
+            const packet = this.packets[this.current];
             this.split(packet);
             this.colour(packet);
-            if (packet.nReplayed < packet.refine.frame.nSplits || this.packets.length === 1) return;
-            this.packets.shift();
+            if (this.isDueToKeep()) this.keep();
+            if (packet.nReplayed < packet.refine.frame.nSplits || this.current + 1 === this.packets.length) return;
+            if (this.keepsHistory) ++this.current;
+            else this.packets.shift();
         }
+    }
+
+    private isDueToKeep(): boolean {
+        const last = this.snapshots.at(-1);
+        return last !== undefined && this.nVertices >= 2 * last.mesh.connectivity.nVertices;
+    }
+
+    private keep(): void {
+        const { nReplayed, nColoured } = this.packets[this.current];
+        const [mesh, colours] = [this.mesh.snapshot(), this.colourState.snapshot(this.nVertices)];
+        this.snapshots.push({ mesh, colours, packet: this.current, nReplayed, nColoured });
     }
 
     private split(packet: Packet): void {
@@ -191,10 +278,12 @@ export class ProgressiveMesh {
         if (packet.nReplayed === frame.nSplits) checkHash(frame, "state", this.stateHash);
     }
 
-    private decodeRecords({ frame, payload }: Waiting<SplitRecords>): SplitRecords {
+    private decodeRecords(waiting: Waiting<SplitRecords>): SplitRecords {
+        const { frame } = waiting;
+        const { payload, draco } = taken(waiting);
         const startsBatch = (frame.flags & flagNewBatch) !== 0;
         const previousFace = startsBatch ? noPreviousFace : this.previousFace;
-        const records = decodeRefine(payload, frame.nSplits, previousFace, this.mesh.nFaces, this.draco);
+        const records = decodeRefine(payload, frame.nSplits, previousFace, this.mesh.nFaces, draco);
         this.previousFace = records.faces[frame.nSplits - 1];
         return records;
     }
@@ -203,8 +292,8 @@ export class ProgressiveMesh {
     private colour(packet: Packet): void {
         const { colour, nColoured, nReplayed } = packet;
         if (!colour || nColoured === 3 * nReplayed) return;
-        const { frame, payload } = colour;
-        const residuals = (colour.decoded ??= decodeColour(payload, 3 * frame.nSplits, this.draco));
+        const { frame } = colour;
+        const residuals = (colour.decoded ??= decodeResiduals(colour));
         const first = frame.nVerticesBefore + nColoured;
         const end = frame.nVerticesBefore + 3 * nReplayed;
         this.colourState.predictAndCorrect(first, end, this.mesh.parents, residuals, nColoured);
@@ -212,6 +301,18 @@ export class ProgressiveMesh {
         packet.nColoured = 3 * nReplayed;
         if (nReplayed === frame.nSplits) checkHash(frame, "colour", this.colourState.hash);
     }
+}
+
+function decodeResiduals(waiting: Waiting<ColourResiduals>): ColourResiduals {
+    const { payload, draco } = taken(waiting);
+    return decodeColour(payload, 3 * waiting.frame.nSplits, draco);
+}
+
+/** The payload and its decoder, which are needed no longer once it is decoded. */
+function taken(waiting: Waiting<unknown>): { payload: Uint8Array; draco: DracoDecoder } {
+    const { payload, draco } = waiting;
+    waiting.payload = waiting.draco = undefined;
+    return { payload: payload!, draco: draco! };
 }
 
 function checkHash(frame: Frame, what: string, computed: number): void {

@@ -5,6 +5,7 @@ import { ChangeMarks } from "./change-marks.js";
 import { DecodeError } from "./decode-error.js";
 import { withRoomFor } from "./growing-array.js";
 import { HalfedgeConnectivity } from "./halfedge-connectivity.js";
+import type { ConnectivityState } from "./halfedge-connectivity.js";
 import { next, prev } from "./halfedge.js";
 import type { IntegerMesh } from "./integer-mesh.js";
 import { RollingHash } from "./rolling-hash.js";
@@ -22,6 +23,14 @@ export interface SplitRecords {
     readonly residuals: Int32Array;
     /** Six a split, in steps: corners c0 c1 c2, apexes a0 a1 a2. */
     readonly updates: Int32Array;
+}
+
+/** A copy of all that later splits depend on. */
+export interface RefinableMeshState {
+    readonly connectivity: ConnectivityState;
+    readonly positions: Int32Array;
+    readonly parents: Int32Array;
+    readonly hash: number;
 }
 
 /**
@@ -73,6 +82,51 @@ export class RefinableMesh {
     /** Rolling hash over the base and every split, vertex write and flip since (proto/FORMAT.md, "State hash"). */
     get stateHash(): number {
         return this.hash.value;
+    }
+
+    /** Puts the sum of the cross products of a vertex's ring into `sum`, for whoever draws the mesh. */
+    sumRingNormal(vertex: number, sum: Float64Array): void {
+        const { positions } = this;
+        const { corners, twins, outgoing } = this.connectivity;
+        const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
+        const first = outgoing[vertex];
+        const start = 3 * corners[next(first)];
+        let ax = positions[start] - x, ay = positions[start + 1] - y, az = positions[start + 2] - z;
+        let nx = 0, ny = 0, nz = 0;
+        let spoke = first;
+        do {
+            const back = prev(spoke);
+            const r = 3 * corners[back];
+            const bx = positions[r] - x, by = positions[r + 1] - y, bz = positions[r + 2] - z;
+            nx += ay * bz - az * by;
+            ny += az * bx - ax * bz;
+            nz += ax * by - ay * bx;
+            ax = bx;
+            ay = by;
+            az = bz;
+            spoke = twins[back];
+        } while (spoke !== first);
+        sum[0] = nx;
+        sum[1] = ny;
+        sum[2] = nz;
+    }
+
+    snapshot(): RefinableMeshState {
+        return {
+            connectivity: this.connectivity.snapshot(),
+            positions: this.positions.slice(0, 3 * this.nVertices),
+            parents: this.parents.slice(0, 2 * this.nVertices),
+            hash: this.hash.value,
+        };
+    }
+
+    /** Goes back to an earlier state of this mesh; every vertex and face counts as changed. */
+    restore(state: RefinableMeshState): void {
+        this.connectivity.restore(state.connectivity);
+        this.positions.set(state.positions);
+        this.parents.set(state.parents);
+        this.hash.value = state.hash;
+        for (let v = 0; v < this.nVertices; ++v) this.changedVertices.mark(v);
     }
 
     /**
@@ -314,6 +368,7 @@ export class RefinableMesh {
     }
 
     private resize(nVertices: number): void {
+        if (3 * nVertices > this.positions.length) this.moves.release();
         this.positions = withRoomFor(3 * nVertices, this.positions);
         this.parents = withRoomFor(2 * nVertices, this.parents);
         this.changedVertices.reserve(nVertices);

@@ -6,6 +6,8 @@ import type { SplitRecords } from "./refinable-mesh.js";
 export const noPreviousFace = -1;
 
 const facesPerSplit = 6;
+/** Of its attributes: face gaps, residuals, updates. */
+export const refineComponents = [1, 3, 6] as const;
 
 /**
  * The payload of a refine frame (proto/FORMAT.md, "Payloads").
@@ -20,7 +22,7 @@ export function decodeRefine(
     nFaces: number,
     draco: DracoDecoder,
 ): SplitRecords {
-    const [gaps, residuals, updates] = draco.decodePointCloud(payload, nSplits, [1, 3, 6]) as [
+    const [gaps, residuals, updates] = draco.decodePointCloud(payload, nSplits, refineComponents) as [
         Int32Array,
         Int32Array,
         Int32Array,

@@ -27,6 +27,12 @@ export class UndoJournal {
         this.length = 0;
     }
 
+    /** As clear(), and lets go of the arrays that were written: they may have been replaced by larger ones. */
+    release(): void {
+        this.length = 0;
+        this.arrays.length = 0;
+    }
+
     private grow(): void {
         const [slots, values] = [this.slots, this.values];
         this.slots = new Int32Array(2 * slots.length);

@@ -1,0 +1,102 @@
+#include "server/http/photograph_handlers.h"
+
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/capture/cameras_json.h"
+#include "core/capture/capture_files.h"
+#include "core/capture/faults.h"
+#include "core/capture/image_header.h"
+#include "core/error.h"
+#include "server/http/file_response.h"
+#include "server/http/model_handlers.h"
+#include "server/http/problem.h"
+#include "server/http/query.h"
+
+namespace anyrate {
+namespace {
+
+constexpr const char* cameras_file = "cameras.json";
+constexpr std::uint64_t max_cameras_bytes = 8 << 20;
+
+struct OpenCapture {
+    std::unique_ptr<CaptureFiles> files;
+    CameraList cameras;
+};
+
+/// The capture of the model that the request names. @throws HttpProblem 404 also for one that is no sound capture
+OpenCapture open_capture(Service& service, const Request& request) {
+    const ModelRecord model = expect_model(service, request);
+    try {
+        OpenCapture capture{open_capture_files(service.store.paths(model.id).capture, cameras_file), {}};
+        const auto n_bytes = capture.files->size(cameras_file);
+        if (!n_bytes || *n_bytes > max_cameras_bytes)
+            throw InputError(std::string(cameras_file) + " is missing or too large");
+        const auto json = capture.files->read(cameras_file);
+        Faults faults;
+        capture.cameras =
+            parse_cameras({reinterpret_cast<const char*>(json.data()), json.size()}, cameras_file, faults);
+        return capture;
+    } catch (const InputError& error) {
+        throw HttpProblem(404, "model " + model.id + " has no photographs to show: " + error.what());
+    }
+}
+
+nlohmann::ordered_json matrix(const std::optional<Mat3>& value) {
+    auto rows = nlohmann::ordered_json::array();
+    for (int row = 0; row < 3; ++row) rows.push_back({(*value)(row, 0), (*value)(row, 1), (*value)(row, 2)});
+    return rows;
+}
+
+nlohmann::ordered_json camera_json(const CameraEntry& entry, const std::string& photograph) {
+    nlohmann::ordered_json json = {{"name", entry.file}, {"photograph", photograph}};
+    json["width"] = entry.width ? nlohmann::ordered_json(*entry.width) : nullptr;
+    json["height"] = entry.height ? nlohmann::ordered_json(*entry.height) : nullptr;
+    json["K"] = matrix(entry.K);
+    json["R"] = matrix(entry.R);
+    json["t"] = {(*entry.t)(0), (*entry.t)(1), (*entry.t)(2)};
+    return json;
+}
+
+}  // namespace
+
+Response show_cameras(Service& service, const Request& request) {
+    expect_only(request, {});
+    const OpenCapture capture = open_capture(service, request);
+    const Vec2& centre = capture.cameras.pixel_center;
+    nlohmann::ordered_json json = {{"pixel_center", {centre(0), centre(1)}},
+                                   {"cameras", nlohmann::ordered_json::array()}};
+    const std::string photographs = "/v1/models/" + request.captured.at("id") + "/photographs/";
+    for (std::size_t i = 0; i < capture.cameras.entries.size(); ++i) {
+        const CameraEntry& entry = capture.cameras.entries[i];
+        if (!entry.is_well_formed || !entry.K || !entry.R || !entry.t) continue;
+        json["cameras"].push_back(camera_json(entry, photographs + std::to_string(i)));
+    }
+    return {.headers = {{"Content-Type", "application/json"}, {"Cache-Control", cache_control(true)}},
+            .body = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"};
+}
+
+Response show_photograph(Service& service, const Request& request) {
+    expect_only(request, {});
+    const std::string& text = request.captured.at("number");
+    std::size_t number = 0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (end.ec != std::errc() || end.ptr != text.data() + text.size())
+        throw HttpProblem(404, "photograph \"" + text + "\": expected a number from 0");
+    const OpenCapture capture = open_capture(service, request);
+    const auto& entries = capture.cameras.entries;
+    if (number >= entries.size())
+        throw HttpProblem(404, "photograph " + text + " of only " + std::to_string(entries.size()));
+    if (!capture.files->size(entries[number].file))
+        throw HttpProblem(404, "the capture has no file " + entries[number].file);
+    const std::vector<std::uint8_t> bytes = capture.files->read(entries[number].file);
+    const auto header = read_image_header(bytes);
+    if (!header) throw HttpProblem(404, entries[number].file + " is neither PNG nor JPEG");
+    return {.headers = {{"Content-Type", header->kind == ImageKind::png ? "image/png" : "image/jpeg"},
+                        {"Cache-Control", cache_control(true)},
+                        {"Content-Security-Policy", "default-src 'none'"}},
+            .body = std::string(bytes.begin(), bytes.end())};
+}
+
+}  // namespace anyrate

@@ -1,0 +1,416 @@
+// The viewer as a visitor uses it: headless Chromium on a real `anyrate serve`.
+// ANYRATE is the program; its viewer lies beside it (npm run viewer in web/). SCREENSHOTS is a folder that gets pictures.
+import assert from "node:assert/strict";
+import { cpSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { join } from "node:path";
+import test, { after, before } from "node:test";
+
+import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
+import { Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+
+const patience = 60_000; // ms, far above what is needed
+const nVertices = 3000;
+const scratch = scratchFolder();
+const capture = join(scratch.path, "capture");
+let server, proxy, browser, draco;
+/** The model that the second test makes, its log, and the vertices it came to. */
+let id, log, most;
+
+before(async () => {
+    run("simulate", "--scene", "vessel", "-o", capture, "--views", "10", "--width", "320", "--height", "240");
+    server = await startServer(join(scratch.path, "data"));
+    proxy = new Proxy(server.url);
+    await proxy.start();
+    browser = await startBrowser();
+    draco = await loadDraco3d();
+});
+
+after(async () => {
+    await browser?.close();
+    proxy?.stop();
+    await server?.stop();
+    scratch.remove();
+});
+
+/** A page that fails its test if it has an error, or asks another host. */
+async function withPage(options, use) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 820 }, ...options });
+    const page = await context.newPage();
+    page.setDefaultTimeout(patience);
+    const complaints = [];
+    page.on("pageerror", (error) => complaints.push(error.message));
+    page.on("console", (line) => line.type() === "error" && complaints.push(line.text()));
+    page.on("request", (request) => {
+        const { origin, protocol } = new URL(request.url());
+        if (protocol.startsWith("http") && origin !== proxy.url) complaints.push(`a request to ${request.url()}`);
+    });
+    try {
+        await use(page);
+        const unexpected = complaints.filter((text) => !(options.expected ?? []).some((pattern) => pattern.test(text)));
+        assert.deepEqual(unexpected, []);
+    } finally {
+        await context.close();
+    }
+}
+
+const main = (page) => page.locator("main.model");
+const data = (page, name) => main(page).evaluate((element, key) => element.dataset[key], name);
+
+async function settled(page) {
+    await page.waitForFunction(() => {
+        const element = document.querySelector("main.model");
+        return element?.dataset.vertices && !element.hasAttribute("aria-busy");
+    });
+}
+
+async function askFor(page, vertices) {
+    const field = page.getByLabel("Budget as a number");
+    await field.fill(String(vertices));
+    await field.press("Enter");
+    await page.waitForFunction((n) => {
+        const { dataset } = document.querySelector("main.model");
+        return Number(dataset.vertices) <= n && Number(dataset.vertices) >= n - 2;
+    }, vertices);
+    await settled(page);
+}
+
+async function picture(page, name) {
+    if (process.env.SCREENSHOTS) await page.screenshot({ path: join(process.env.SCREENSHOTS, `${name}.png`) });
+}
+
+const expectedAt = (vertices) => decodeLog(log, draco, { vertices }).mesh;
+const hex = (word) => word.toString(16).padStart(8, "0");
+
+test("Upload: what is wrong is said per file before anything is sent", () =>
+    withPage({}, async (page) => {
+        const broken = join(scratch.path, "broken");
+        cpSync(capture, broken, { recursive: true });
+        const [image] = readdirSync(join(broken, "images"));
+        rmSync(join(broken, "images", image));
+        await page.goto(`${proxy.url}/?new`);
+        await picture(page, "upload");
+        await page.locator("input[webkitdirectory]").setInputFiles(broken);
+        const faults = page.getByRole("alert").filter({ hasText: "not ready" });
+        await faults.waitFor();
+        assert.match(await faults.innerText(), new RegExp(`images/${image} is missing: cameras.json lists it`));
+        assert.equal(await page.getByText("Upload and reconstruct").count(), 0);
+    }));
+
+/** Paths of the files that a page has sent, each as often as it was. */
+function filesSent(page) {
+    const sent = [];
+    page.on("requestfinished", (request) => request.method() === "PUT" && sent.push(new URL(request.url()).pathname));
+    return sent;
+}
+
+async function chooseCapture(page) {
+    await page.goto(`${proxy.url}/?new`);
+    await page.locator("input[webkitdirectory]").setInputFiles(capture);
+    await page.getByText("10 photographs").waitFor();
+    await page.getByLabel("Vertices of the finest mesh").fill(String(nVertices));
+}
+
+/** Of the upload that was left before it was done. */
+let sentBefore = [];
+
+test("Upload: one that is left half-way has sent what it has sent", () =>
+    withPage({}, async (page) => {
+        sentBefore = filesSent(page);
+        let nFiles = 0;
+        const seventh = new Promise((resolve) => {
+            void page.route("**/v1/captures/*/files/**", (route) => (++nFiles <= 6 ? route.continue() : resolve()));
+        });
+        await chooseCapture(page);
+        await page.getByText("Upload and reconstruct").click();
+        await seventh;
+        assert.equal(sentBefore.length, 6);
+    }));
+
+test("Upload: it goes on where it was left, and becomes a model that refines before one's eyes, though its connection is cut", () =>
+    withPage({ expected: [/WebSocket connection to .* failed/, /net::ERR_CONNECTION_RESET/] }, async (page) => {
+        const logs = framesOfSockets(page);
+        const sent = filesSent(page);
+        let nBroken = 0;
+        await page.route("**/files/images/**", (route) => (++nBroken === 2 ? route.abort("connectionreset") : route.continue()));
+        await chooseCapture(page);
+        proxy.cutLiveAfter = 9000;
+        await page.getByText("Upload and reconstruct").click();
+        await page.waitForURL(/\/models\/[a-z2-7]{26}/);
+        const all = [...sentBefore, ...sent];
+        assert.equal(new Set(all).size, 21, "cameras, images and masks have arrived");
+        assert.equal(all.length, 21, "and none was sent again, but for the one whose connection broke");
+        id = /models\/([a-z2-7]{26})/.exec(page.url())[1];
+        await page.evaluate(() => {
+            window.shown = new Set();
+            setInterval(() => window.shown.add(document.querySelector("main.model")?.dataset.vertices), 50);
+        });
+        await page.waitForFunction(() => document.querySelector(".stages .current"));
+        await page.waitForFunction(() => document.querySelector("main.model").dataset.vertices);
+        await picture(page, "refining");
+        await page.waitForFunction(() => document.querySelector(".title-line .chip")?.textContent === "Done", undefined, { polling: 50 });
+        log = new Uint8Array(await (await fetch(`${server.url}/v1/models/${id}/log`)).arrayBuffer());
+        const whole = expectedAt(1e9);
+        most = whole.nVertices;
+        await page.waitForFunction((n) => document.querySelector("main.model").dataset.vertices === String(n), whole.nVertices);
+        await settled(page);
+        assert.equal(await data(page, "hash"), hex(whole.stateHash));
+        assert.equal(proxy.nCuts, 1, "the connection was cut once");
+        const shown = await page.evaluate(() => [...window.shown]);
+        assert.ok(shown.length > 2, `meshes of several sizes were shown, got ${shown}`);
+        logs.assertEachOnce();
+    }));
+
+/** Which frames came over the page's WebSockets, by the log they belong to. */
+function framesOfSockets(page) {
+    const frames = []; // {logId, sequence}
+    page.on("websocket", (socket) => {
+        let logId;
+        socket.on("framereceived", ({ payload }) => {
+            if (typeof payload === "string") {
+                logId = JSON.parse(payload).log_id ?? logId;
+                return;
+            }
+            for (let at = payload.readUInt16LE(0) === 0x4c50 ? 0 : 96; at + 28 <= payload.length; at += 28 + payload.readUInt32LE(at + 4)) {
+                frames.push({ logId, sequence: payload.readUInt32LE(at + 8) });
+            }
+        });
+    });
+    return {
+        assertEachOnce: () => {
+            const keys = frames.map(({ logId, sequence }) => `${logId} ${sequence}`);
+            assert.deepEqual(keys.filter((key, i) => keys.indexOf(key) !== i), [], "no frame came twice");
+            const last = frames.filter(({ logId }) => logId === frames.at(-1).logId).map(({ sequence }) => sequence);
+            assert.deepEqual(last, last.map((_, i) => i), "and none was left out");
+        },
+    };
+}
+
+test("Gallery: the model is there with a picture of its first kilobytes", () =>
+    withPage({}, async (page) => {
+        await page.goto(proxy.url);
+        const card = page.locator(`article[data-id="${id}"]`);
+        await card.locator("canvas.painted").waitFor();
+        assert.match(await card.innerText(), new RegExp(`Done\\s+${most.toLocaleString("en")} vertices`));
+        await page.waitForTimeout(500); // of its fading in
+        await picture(page, "gallery");
+        await card.getByRole("link").click();
+        await settled(page);
+    }));
+
+test("Model page: budgets up and down are the meshes that any reader decodes, by one request each raise", () =>
+    withPage({}, async (page) => {
+        const ranges = [];
+        page.on("request", (request) => request.url().endsWith("/log") && ranges.push(request.headers()["range"]));
+        await page.goto(`${proxy.url}/models/${id}?vertices=2600`);
+        await settled(page);
+        assert.equal(ranges[0], "bytes=0-8191");
+        const opened = ranges.length;
+        assert.ok(opened <= 2);
+        for (const vertices of [2601, 2800, most, 2650, most - 3]) {
+            await askFor(page, vertices);
+            const mesh = expectedAt(vertices);
+            assert.equal(Number(await data(page, "vertices")), mesh.nVertices);
+            assert.equal(await data(page, "hash"), hex(mesh.stateHash));
+        }
+        assert.ok(ranges.length <= opened + 3, `three raises, got ${ranges}`);
+        const ends = ranges.map((range) => /bytes=(\d+)-(\d+)/.exec(range).slice(1).map(Number));
+        ends.slice(1).forEach(([begin], i) => assert.equal(begin, ends[i][1] + 1, "each goes on where the last one ended"));
+        await picture(page, "model");
+    }));
+
+test("Model page: the curve and the slider lead to budgets, by keys too", () =>
+    withPage({}, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}`);
+        await settled(page);
+        const [slider, plot] = [page.getByRole("slider", { name: "Budget", exact: true }), page.getByLabel("Rate-distortion curve")];
+        const base = expectedAt(1).nVertices;
+        const reached = (n) => page.waitForFunction((count) => document.querySelector("main.model").dataset.vertices === String(count), n);
+        await slider.press("Home");
+        await reached(base);
+        await page.getByRole("button", { name: "Bytes" }).first().click();
+        await slider.press("End");
+        await reached(most);
+        assert.match(page.url(), /bytes=\d+/);
+        await plot.press("ArrowLeft");
+        await page.waitForFunction((n) => Number(document.querySelector("main.model").dataset.vertices) < n, most);
+        const { width, height } = await plot.boundingBox();
+        await plot.click({ position: { x: width - 3, y: height / 2 } });
+        await reached(most);
+    }));
+
+test("Model page: through a photograph's camera the mesh covers what the photograph's mask covers", () =>
+    withPage({}, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}`);
+        await settled(page);
+        await page.locator(".thumb").nth(2).click();
+        await page.locator("img.photograph").waitFor();
+        await page.waitForTimeout(600); // of the morph
+        await picture(page, "photograph");
+        const share = await page.evaluate(() => {
+            const stage = document.querySelector(".stage");
+            for (const part of stage.querySelectorAll(".toolbar, .foot, .photograph")) part.style.visibility = "hidden";
+            stage.style.background = "rgb(255, 0, 255)";
+            const { left, top, width, height } = document.querySelector(".photograph").getBoundingClientRect();
+            return { x: left, y: top, width, height };
+        });
+        const shot = await page.screenshot({ clip: share });
+        const overlap = await page.evaluate(overlapOf, [
+            shot.toString("base64"),
+            readFileSync(join(capture, "masks", readdirSync(join(capture, "masks")).sort()[2])).toString("base64"),
+        ]);
+        assert.ok(overlap > 0.93, `expected the silhouettes to agree, got an overlap of ${overlap}`);
+        await page.locator("canvas").press("ArrowLeft");
+        await page.locator("img.photograph").waitFor({ state: "hidden" });
+    }));
+
+/** In the page: intersection over union of what is not magenta in one picture and what is white in the other. */
+async function overlapOf([shown, mask]) {
+    const [width, height] = [320, 240];
+    const pixels = async (base64) => {
+        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+        const context = new OffscreenCanvas(width, height).getContext("2d");
+        context.drawImage(image, 0, 0, width, height);
+        return context.getImageData(0, 0, width, height).data;
+    };
+    const [a, b] = [await pixels(shown), await pixels(mask)];
+    let [both, either] = [0, 0];
+    for (let i = 0; i < a.length; i += 4) {
+        const isMesh = !(a[i] > 200 && a[i + 1] < 60 && a[i + 2] > 200);
+        const isMask = b[i] > 127;
+        if (isMesh && isMask) ++both;
+        if (isMesh || isMask) ++either;
+    }
+    return both / either;
+}
+
+test("Model page: downloads are the server's bytes at the budget that is shown", () =>
+    withPage({}, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?vertices=2800`);
+        await settled(page);
+        const vertices = await data(page, "vertices");
+        for (const [label, path] of [["PLY", "mesh.ply"], ["OBJ", "mesh.obj"], ["GLB", "mesh.glb"], ["Log", "log"]]) {
+            const waiting = page.waitForEvent("download");
+            await page.locator(".downloads").getByText(label).click();
+            const saved = readFileSync(await (await waiting).path());
+            const sent = await fetch(`${server.url}/v1/models/${id}/${path}?vertices=${vertices}`);
+            assert.deepEqual(saved, Buffer.from(await sent.arrayBuffer()), `${label} is what the server sends`);
+        }
+        const prefix = new Uint8Array(await (await fetch(`${server.url}/v1/models/${id}/log?vertices=${vertices}`)).arrayBuffer());
+        assert.equal(decodeLog(prefix, draco, { vertices: Number(vertices) }).mesh.nVertices, Number(vertices));
+    }));
+
+test("Model page: a link opens the same budget, shading and view", () =>
+    withPage({}, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?vertices=2700`);
+        await settled(page);
+        await page.getByRole("button", { name: "Normals" }).click();
+        await page.locator("canvas").press("ArrowLeft");
+        await page.locator("canvas").press("+");
+        const [link, hash] = [page.url(), await data(page, "hash")];
+        assert.match(link, /vertices=2700/);
+        assert.match(link, /shading=normals/);
+        const shown = await page.locator(".stage canvas").boundingBox();
+        await page.waitForTimeout(700); // of damping and morph
+        const before = await page.screenshot({ clip: shown });
+        await page.goto("about:blank");
+        await page.goto(link);
+        await settled(page);
+        assert.equal(await data(page, "hash"), hash);
+        assert.equal(await page.getByRole("button", { name: "Normals" }).getAttribute("aria-pressed"), "true");
+        await page.waitForTimeout(1200);
+        const afterwards = await page.screenshot({ clip: shown });
+        const difference = await page.evaluate(differenceOf, [before.toString("base64"), afterwards.toString("base64")]);
+        assert.ok(difference < 2, `expected the same picture, got a mean difference of ${difference} of 255`);
+    }));
+
+/** In the page: mean absolute difference of two pictures' channels. */
+async function differenceOf(pictures) {
+    const [a, b] = await Promise.all(pictures.map(async (base64) => {
+        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        context.drawImage(image, 0, 0);
+        return context.getImageData(0, 0, image.width, image.height).data;
+    }));
+    let sum = 0;
+    for (let i = 0; i < a.length; ++i) sum += Math.abs(a[i] - b[i]);
+    return sum / a.length;
+}
+
+test("Model page: on a phone and in the dark nothing is cut off", () =>
+    withPage({ viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}`);
+        await settled(page);
+        const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        assert.ok(overflow <= 0, `expected no sideways scrolling, got ${overflow} px`);
+        await picture(page, "model-phone-dark");
+    }));
+
+test("Trouble: a damaged log is said to be, and the mesh before it stays", () =>
+    withPage({}, async (page) => {
+        await page.route(`**/v1/models/${id}/log`, async (route) => {
+            const response = await route.fetch();
+            const body = await response.body();
+            if (!route.request().headers()["range"].startsWith("bytes=0-")) body[body.length - 40] ^= 1;
+            await route.fulfill({ response, body });
+        });
+        await page.goto(`${proxy.url}/models/${id}`);
+        await page.getByText("The stream is damaged").waitFor();
+        await page.waitForFunction(() => Number(document.querySelector("main.model").dataset.vertices) >= 100);
+    }));
+
+test("Trouble: a lost connection has its sentence, and the way back", () =>
+    withPage({ expected: [/Failed to load resource: net::ERR_/] }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?bytes=1`);
+        await settled(page);
+        const coarse = Number(await data(page, "vertices"));
+        await page.route(`**/v1/models/${id}/log`, (route) => route.abort("connectionreset"));
+        const field = page.getByLabel("Budget as a number");
+        await field.fill("1000000");
+        await field.press("Enter");
+        await page.getByText("The connection is lost").waitFor();
+        assert.equal(Number(await data(page, "vertices")), coarse, "what was decoded stays");
+        await page.unroute(`**/v1/models/${id}/log`);
+        await page.getByText("Try again").click();
+        await page.waitForFunction((n) => document.querySelector("main.model").dataset.vertices === String(n), most);
+    }));
+
+test("Trouble: without WebGL the page says so, and still offers the downloads", () =>
+    withPage({ expected: [/WebGL/] }, async (page) => {
+        await page.addInitScript(() => {
+            const getContext = HTMLCanvasElement.prototype.getContext;
+            HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+                return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...rest);
+            };
+        });
+        await page.goto(`${proxy.url}/models/${id}`);
+        await page.getByText("This browser shows no WebGL").waitFor();
+        await page.locator(".downloads").getByText("PLY").waitFor();
+    }));
+
+test("Trouble: a failed job and a model that is not there have their sentences", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        const response = await fetch(`${server.url}/v1/models`, {
+            method: "POST",
+            headers: { "Content-Type": "application/zip" },
+            body: Buffer.from("504b0304", "hex"),
+        });
+        const failed = (await response.json()).id;
+        await page.goto(`${proxy.url}/models/${failed}`);
+        await page.getByText("The reconstruction failed").waitFor();
+        await page.goto(`${proxy.url}/models/${"a".repeat(26)}`);
+        await page.getByText("There is no such model").waitFor();
+    }));
+
+test("Trouble: a model that is deleted while it is looked at leaves what was decoded", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?bytes=1`);
+        await settled(page);
+        await fetch(`${server.url}/v1/models/${id}`, { method: "DELETE" });
+        const field = page.getByLabel("Budget as a number");
+        await field.fill("1000000");
+        await field.press("Enter");
+        await page.locator(".notice").filter({ hasText: /no model|deleted/ }).waitFor();
+        assert.ok(Number(await data(page, "vertices")) > 0);
+    }));

@@ -1,0 +1,128 @@
+import type { AbortSignalLike, BodyReader, Fetch, ResponseLike } from "./platform.js";
+import { ServerError, serverError } from "./server-problem.js";
+
+/** Who takes the bytes of a log, in order and each once. */
+export interface LogSink {
+    bytes(bytes: Uint8Array): void;
+    /** The server has another log in place of the one whose beginning it sent: its bytes follow, from the first. */
+    begunAnew(): void;
+}
+
+/**
+ * Fetches a log from its start as far as is asked for, each byte once: by Range requests, or, where the server answers
+ * the whole log instead (200), from that one answer, which is read no further than it has to be.
+ */
+export class LogDownload {
+    private readonly url: string;
+    private readonly fetch: Fetch;
+    private readonly signal: AbortSignalLike;
+    private readonly sink: LogSink;
+    private etag: string | undefined;
+    private whole: BodyReader | undefined;
+    private have = 0;
+    private total: number | undefined;
+    private requestsMade = 0;
+
+    constructor(url: string, fetch: Fetch, signal: AbortSignalLike, sink: LogSink) {
+        this.url = url;
+        this.fetch = fetch;
+        this.signal = signal;
+        this.sink = sink;
+    }
+
+    /** Bytes of the log that have arrived. */
+    get nBytes(): number {
+        return this.have;
+    }
+    /** Bytes of the log on the server, once it has said so. */
+    get nBytesTotal(): number | undefined {
+        return this.total;
+    }
+    get nRequests(): number {
+        return this.requestsMade;
+    }
+
+    /**
+     * Reads on until `end` bytes of the log have arrived, or all that there are: at most one request.
+     * @throws ServerError, or whatever fetch throws (TypeError in browsers) if the connection breaks; what has arrived
+     *         stays, and the next call goes on behind it
+     */
+    async readTo(end: number): Promise<void> {
+        if (this.have >= end || this.have === this.total) return;
+        if (this.whole) await this.readWhole(this.whole, end);
+        else await this.request(end);
+    }
+
+    /** Lets go of an answer that is not read to its end. */
+    async dispose(): Promise<void> {
+        await this.whole?.cancel().catch(() => {}); // it is over either way
+        this.whole = undefined;
+    }
+
+    private async request(end: number): Promise<void> {
+        const headers: Record<string, string> = { Range: `bytes=${this.have}-${end - 1}` };
+        if (this.etag !== undefined && this.have > 0) headers["If-Range"] = this.etag;
+        ++this.requestsMade;
+        const response = await this.fetch(this.url, { headers, signal: this.signal });
+        if (response.status === 206) await this.readPart(response, end);
+        else if (response.status === 200) await this.beginWhole(response, end);
+        else throw await serverError(response, this.url);
+    }
+
+    private async readPart(response: ResponseLike, end: number): Promise<void> {
+        const range = /^bytes (\d+)-(\d+)\/(\d+|\*)$/.exec(response.headers.get("Content-Range") ?? "");
+        if (!range || Number(range[1]) !== this.have || Number(range[2]) >= end) {
+            const got = response.headers.get("Content-Range") ?? "no Content-Range";
+            throw new ServerError(206, `${this.url}: expected bytes ${this.have} to ${end - 1}, got ${got}`);
+        }
+        this.etag = response.headers.get("ETag") ?? undefined;
+        if (range[3] !== "*") this.total = Number(range[3]);
+        await this.readBody(readerOf(response), Infinity);
+    }
+
+    private async beginWhole(response: ResponseLike, end: number): Promise<void> {
+        const etag = response.headers.get("ETag") ?? undefined;
+        const length = response.headers.get("Content-Length");
+        this.total = length === null ? undefined : Number(length);
+        this.whole = readerOf(response);
+        let known = this.have;
+        if (known > 0 && etag !== this.etag) {
+            this.have = known = 0;
+            this.sink.begunAnew();
+        }
+        this.etag = etag;
+        await this.readWhole(this.whole, end, known);
+    }
+
+    /** @param known bytes at the start of the answer that have arrived before */
+    private async readWhole(reader: BodyReader, end: number, known = 0): Promise<void> {
+        try {
+            if (!(await this.readBody(reader, end, known))) return;
+        } catch (error) {
+            this.whole = undefined; // it is broken: the next call asks anew
+            throw error;
+        }
+        this.whole = undefined;
+        this.total = this.have;
+    }
+
+    /** @returns whether the body has ended */
+    private async readBody(reader: BodyReader, end: number, known = 0): Promise<boolean> {
+        let skipped = 0;
+        while (this.have < end) {
+            const { done, value } = await reader.read();
+            if (done) return true;
+            if (!value) continue;
+            const bytes = value.subarray(Math.min(known - skipped, value.length));
+            skipped += value.length - bytes.length;
+            this.have += bytes.length;
+            if (bytes.length > 0) this.sink.bytes(bytes);
+        }
+        return false;
+    }
+}
+
+function readerOf(response: ResponseLike): BodyReader {
+    if (!response.body) throw new ServerError(response.status, "the answer has no body");
+    return response.body.getReader();
+}

@@ -1,0 +1,103 @@
+// What the viewer asks of the server, besides logs. The types are those of proto/openapi.yaml.
+import type { components } from "../client/index.js";
+
+export type ModelInfo = components["schemas"]["Model"];
+export type Cameras = components["schemas"]["Cameras"];
+export type CameraInfo = Cameras["cameras"][number];
+
+/** What the server said in place of what was asked for. */
+export class RequestError extends Error {
+    readonly status: number;
+
+    constructor(status: number, sentence: string) {
+        super(sentence);
+        this.status = status;
+    }
+}
+
+/** The address of a model, whole, as the client library and WebSockets want it. */
+export function modelUrl(id: string): string {
+    return `${location.origin}/v1/models/${id}`;
+}
+
+export async function listModels(after?: string): Promise<{ models: ModelInfo[]; next?: string }> {
+    const response = await fetch(after ?? "/v1/models?limit=60");
+    const page = (await (await answer(response)).json()) as { models: ModelInfo[]; next?: string };
+    page.models.forEach(remember);
+    return page;
+}
+
+const known = new Map<string, ModelInfo>();
+
+/** Keeps what the server said of a model, so that its page need not wait to hear it again. */
+export function remember(model: ModelInfo): void {
+    known.set(model.id, model);
+}
+
+/** What the server said last. */
+export function knownModel(id: string): ModelInfo | undefined {
+    return known.get(id);
+}
+
+export async function getModel(id: string): Promise<ModelInfo> {
+    return (await answer(await fetch(`/v1/models/${id}`))).json() as Promise<ModelInfo>;
+}
+
+export async function deleteModel(id: string): Promise<void> {
+    await answer(await fetch(`/v1/models/${id}`, { method: "DELETE", headers: authorisation() }));
+}
+
+/** The cameras of a model's photographs; undefined if the server has none. */
+export async function getCameras(id: string): Promise<Cameras | undefined> {
+    const response = await fetch(`/v1/models/${id}/cameras`);
+    return response.ok ? ((await response.json()) as Cameras) : undefined;
+}
+
+/** Follows a model's state until it is final. @returns how to stop */
+export function watchModel(id: string, onState: (model: ModelInfo) => void, onDeleted: () => void): () => void {
+    const events = new EventSource(`/v1/models/${id}/events`);
+    events.addEventListener("state", ({ data }) => {
+        const model = JSON.parse(data as string) as ModelInfo;
+        if (isFinal(model)) events.close();
+        remember(model);
+        onState(model);
+    });
+    events.addEventListener("deleted", () => {
+        events.close();
+        onDeleted();
+    });
+    return () => events.close();
+}
+
+export function isFinal({ state }: ModelInfo): boolean {
+    return state === "done" || state === "failed" || state === "cancelled";
+}
+
+const tokenKey = "anyrate-token";
+
+/** Of writers, if the server wants one; asked for once it does. */
+export function setToken(token: string): void {
+    sessionStorage.setItem(tokenKey, token);
+}
+
+export function authorisation(): Record<string, string> {
+    const token = sessionStorage.getItem(tokenKey);
+    return token ? { Authorization: `Bearer ${token}` } : {};
+}
+
+/** @throws RequestError with the server's own sentence */
+async function answer(response: Response): Promise<Response> {
+    if (response.ok) return response;
+    throw new RequestError(response.status, sentenceOf(await response.text(), response.status));
+}
+
+/** Of a problem document (RFC 9457), or of the bare status. */
+export function sentenceOf(body: string, status: number): string {
+    try {
+        const { detail } = JSON.parse(body) as { detail?: unknown };
+        if (typeof detail === "string") return detail;
+    } catch {
+        // not a problem document: the status says it
+    }
+    return `The server answered ${status}.`;
+}

@@ -1,0 +1,109 @@
+import type { CameraInfo, Cameras } from "./api.js";
+import { fittedRectangle } from "./camera-view.js";
+import type { Size } from "./camera-view.js";
+import { h, icon, icons } from "./dom.js";
+import type { PhotographView } from "./model-view.js";
+
+/** The input photographs as a strip, and the one that is looked through, behind the mesh or blended over it. */
+export class PhotoStrip {
+    /** For the foot of the stage. */
+    readonly strip = h("div", { class: "strip", role: "listbox", "aria-label": "Input photographs" });
+    /** For the stage itself: under or over the canvas. */
+    readonly picture = h("img", { class: "photograph", alt: "", hidden: true });
+    readonly blendControl: HTMLElement;
+    onEnter: (view: PhotographView, index: number) => void = () => {};
+    onLeave: () => void = () => {};
+
+    private readonly cameras: Cameras;
+    private readonly buttons: HTMLButtonElement[];
+    private readonly blend: HTMLInputElement;
+    private readonly stage: HTMLElement;
+    private readonly resize: ResizeObserver;
+    private current: number | undefined;
+    private image: Size | undefined;
+
+    constructor(cameras: Cameras, stage: HTMLElement) {
+        this.cameras = cameras;
+        this.stage = stage;
+        this.buttons = cameras.cameras.map((camera, i) => this.button(camera, i));
+        this.strip.append(...this.buttons);
+        this.blend = h("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "Blend", oninput: () => this.setBlend() });
+        this.blendControl = h(
+            "div",
+            { class: "blend", hidden: true },
+            h("span", {}, "Mesh"),
+            this.blend,
+            h("span", {}, "Photograph"),
+            h("button", { class: "icon-button", title: "Leave this photograph", onclick: () => this.onLeave() }, icon(icons.close)),
+        );
+        this.resize = new ResizeObserver(() => this.place());
+        this.resize.observe(stage);
+    }
+
+    get selected(): number | undefined {
+        return this.current;
+    }
+
+    /** Looks through a photograph's camera. */
+    async enter(index: number): Promise<void> {
+        const camera = this.cameras.cameras[index];
+        if (!camera) return;
+        this.select(index);
+        this.picture.src = camera.photograph;
+        await this.picture.decode().catch(() => {}); // the page then has its view without its picture
+        if (this.current !== index) return;
+        const natural = { width: this.picture.naturalWidth, height: this.picture.naturalHeight };
+        this.image = { width: camera.width ?? natural.width, height: camera.height ?? natural.height };
+        if (!this.image.width || !this.image.height) return;
+        this.picture.hidden = false;
+        this.blendControl.hidden = false;
+        this.setBlend();
+        this.place();
+        this.onEnter({ camera, pixelCentre: this.cameras.pixel_center, image: this.image }, index);
+    }
+
+    leave(): void {
+        this.select(undefined);
+        this.picture.hidden = true;
+        this.blendControl.hidden = true;
+        this.image = undefined;
+    }
+
+    dispose(): void {
+        this.resize.disconnect();
+    }
+
+    private select(index: number | undefined): void {
+        this.current = index;
+        this.buttons.forEach((button, i) => button.setAttribute("aria-selected", String(i === index)));
+    }
+
+    /** At 0 the photograph is behind the mesh; from there on it is blended over it. */
+    private setBlend(): void {
+        const share = Number(this.blend.value) / 100;
+        this.picture.classList.toggle("behind", share === 0);
+        this.picture.style.opacity = String(share === 0 ? 1 : share);
+    }
+
+    private place(): void {
+        if (!this.image) return;
+        const canvas = { width: this.stage.clientWidth, height: this.stage.clientHeight };
+        const { left, top, width, height } = fittedRectangle(this.image, canvas);
+        Object.assign(this.picture.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+    }
+
+    private button(camera: CameraInfo, index: number): HTMLButtonElement {
+        const name = camera.name.replace(/^.*\//, "");
+        return h(
+            "button",
+            {
+                class: "thumb",
+                role: "option",
+                "aria-selected": "false",
+                title: `Look through ${name}`,
+                onclick: () => void (this.current === index ? this.onLeave() : this.enter(index)),
+            },
+            h("img", { src: camera.photograph, alt: name, loading: "lazy", decoding: "async", width: 88, height: 66 }),
+        );
+    }
+}
