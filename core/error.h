@@ -20,4 +20,9 @@ struct IoError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// There is no room left on the disk, or in its quota (HTTP 507).
+struct DiskFull : IoError {
+    using IoError::IoError;
+};
+
 }  // namespace anyrate

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Installs every Debian 12 package that building, testing and running Anyrate needs; as root, or through sudo.
 # Asks the network only if something is missing, so it costs nothing to run again.
+#   install.sh        everything
+#   install.sh run    what a finished build/anyrate needs to run, and curl to ask whether it is well
 set -euo pipefail
 
 packages=(
@@ -11,27 +13,44 @@ packages=(
     # proto
     libdraco-dev nlohmann-json3-dev
     # server
-    libcli11-dev libspdlog-dev libsqlite3-dev libssl-dev
+    libcli11-dev libspdlog-dev libsqlite3-dev libseccomp-dev libssl-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
-    doctest-dev curl python3 clang libclang-rt-14-dev llvm
+    doctest-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm zzuf
+)
+
+# The libraries of the binary itself (tests/docker_test.py compares); theirs follow.
+run_packages=(
+    libarchive13 libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopenmesh1 libdraco7 libtbb12
+    libsqlite3-0 libseccomp2 libssl3 libstdc++6 curl ca-certificates
 )
 
 is_installed() {
     [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
-# Boost 1.81 (Beast, Asio, URL) cannot stand beside the headers of Debian's default 1.74, which also serve.
-if ! is_installed libboost1.74-dev; then
-    packages+=(libboost1.81-dev libboost-url1.81-dev)
-fi
+case "${1:-}" in
+run)
+    packages=("${run_packages[@]}")
+    ;;
+"")
+    # Boost 1.81 (Beast, Asio, URL) cannot stand beside the headers of Debian's default 1.74, which also serve.
+    if ! is_installed libboost1.74-dev; then
+        packages+=(libboost1.81-dev libboost-url1.81-dev)
+    fi
 
-# The viewer's tests run in a browser.
-packages+=(chromium)
+    # The viewer's tests run in a browser.
+    packages+=(chromium)
 
-# The web client and viewer. A nodejs from elsewhere brings its own npm, which stands in the way of Debian's.
-if ! { command -v node && command -v npm; } >/dev/null; then
-    packages+=(nodejs npm)
-fi
+    # The web client and viewer. A nodejs from elsewhere brings its own npm, which stands in the way of Debian's.
+    if ! { command -v node && command -v npm; } >/dev/null; then
+        packages+=(nodejs npm)
+    fi
+    ;;
+*)
+    echo "install.sh: expected nothing or \"run\", got \"$1\"" >&2
+    exit 2
+    ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

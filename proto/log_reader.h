@@ -15,6 +15,8 @@
 
 namespace anyrate {
 
+class ColourState;
+
 /// What a log's framing says, without decoding a payload.
 struct LogLayout {
     Header header;
@@ -49,6 +51,7 @@ public:
     const RefinableMesh* state() const;                  ///< nullptr before the base has arrived
     std::optional<std::uint32_t> last_sequence() const;  ///< of the last whole frame
     bool ended() const;
+    const ColourState* colours() const;  ///< nullptr before the base has arrived
     /// The mesh so far, with colours. The base must have arrived.
     Mesh mesh() const;
 

@@ -12,6 +12,7 @@
 #include "proto/colour_state.h"
 #include "proto/frame.h"
 #include "proto/header.h"
+#include "proto/log_reader.h"
 #include "proto/refine_codec.h"
 
 namespace anyrate {
@@ -25,6 +26,15 @@ struct Outgoing {
     std::vector<std::byte> bytes;
     IndexRow row;
 };
+
+void require_rows_of(const LogLayout& layout, std::span<const IndexRow> rows) {
+    const auto is_of = [&](const IndexRow& row, const FrameInfo& frame) {
+        return row.n_vertices == frame.n_vertices_after && layout.frames_begin + row.end == frame.end();
+    };
+    if (!std::ranges::equal(rows, layout.frames, is_of))
+        throw DecodeError("log writer: expected one row for each of the log's " + std::to_string(layout.frames.size()) +
+                          " frames");
+}
 
 }  // namespace
 
@@ -71,6 +81,25 @@ struct LogWriter::State {
 LogWriter::LogWriter(std::uint64_t log_id, ByteSink on_bytes) : state_(std::make_unique<State>()) {
     state_->log_id = log_id;
     state_->on_bytes = std::move(on_bytes);
+}
+
+LogWriter::LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes)
+    : state_(std::make_unique<State>()) {
+    State& s = *state_;
+    const LogLayout layout = read_layout(front);
+    if (layout.header.sealed || layout.ended || layout.frames.empty() || layout.whole_bytes != front.size())
+        throw DecodeError("log writer: expected the front of a live log, whole frames from its base on and no end");
+    require_rows_of(layout, rows);
+    ModelDecoder decoder;
+    decoder.feed(front);
+    s.log_id = layout.header.log_id;
+    s.on_bytes = std::move(on_bytes);
+    s.replica = *decoder.state();
+    s.colours = *decoder.colours();
+    s.has_base_colours = layout.frames.size() > 1 && layout.frames[1].type == FrameType::colour;
+    s.rows.assign(rows.begin(), rows.end());
+    s.next_sequence = layout.frames.back().sequence + 1;
+    s.end = rows.back().end;
 }
 
 LogWriter::~LogWriter() = default;
@@ -189,5 +218,7 @@ void LogWriter::finish() {
 }
 
 std::span<const IndexRow> LogWriter::rows() const { return state_->rows; }
+
+const RefinableMesh& LogWriter::state() const { return *state_->replica; }
 
 }  // namespace anyrate

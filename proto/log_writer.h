@@ -23,6 +23,12 @@ public:
     /// @param log_id   identity of the model, also its ETag; any value
     /// @param on_bytes receives the live log, in order
     LogWriter(std::uint64_t log_id, ByteSink on_bytes);
+    /// Goes on behind a batch, or behind the base's attributes, of a live log that another writer began: the sink gets
+    /// what comes next.
+    /// @param front  the log up to there, from its first byte
+    /// @param rows   of its frames, as that writer gave them
+    /// @throws DecodeError if `front` is no such log, or the rows are not those of its frames
+    LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes);
     ~LogWriter() override;
 
     BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override;
@@ -32,6 +38,8 @@ public:
     void finish() override;
 
     std::span<const IndexRow> rows() const;
+    /// As every decoder has it after the last frame. start() must have been called, or the log be continued.
+    const RefinableMesh& state() const;
 
 private:
     struct State;

@@ -215,6 +215,7 @@ const Header* ModelDecoder::header() const { return state_->header ? &*state_->h
 const RefinableMesh* ModelDecoder::state() const { return state_->mesh ? &*state_->mesh : nullptr; }
 std::optional<std::uint32_t> ModelDecoder::last_sequence() const { return state_->last_sequence; }
 bool ModelDecoder::ended() const { return state_->order && state_->order->ended(); }
+const ColourState* ModelDecoder::colours() const { return state_->colours ? &*state_->colours : nullptr; }
 
 Mesh ModelDecoder::mesh() const {
     if (!state_->mesh) throw DecodeError("log: no mesh yet, its base has not arrived");

@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
     anyrate::add_push(app, command);
     anyrate::add_fetch(app, command);
     anyrate::add_encode_mesh(app, command);
+    anyrate::add_gc(app, command);
+    anyrate::add_backup(app, command);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -32,6 +32,7 @@ THIRD_PARTIES = {
     r"nlohmann/": ["core/capture/cameras_json.cpp", "core/mesh/glb.cpp", "server/*.cpp"],
     r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/store/zip_writer.cpp"],
     r"sqlite3\.h": ["server/store/sqlite_catalog.cpp"],
+    r"seccomp\.h": ["server/jobs/sandbox.cpp"],
     r"boost/": ["server/http/*", "server/client/*.cpp"],
     r"spdlog/": ["server/cli/server_log.cpp"],
     r"openssl/": ["server/store/sha256.cpp"],

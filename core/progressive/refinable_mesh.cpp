@@ -57,6 +57,11 @@ RefinableMesh::RefinableMesh(const BaseMesh& base, const Grid& grid, const Refin
 int RefinableMesh::n_vertices() const { return connectivity_.n_vertices(); }
 int RefinableMesh::n_faces() const { return connectivity_.n_faces(); }
 const Grid& RefinableMesh::grid() const { return grid_; }
+
+void RefinableMesh::move_grid(const Vec3& origin, double unit) {
+    grid_.origin = origin;
+    grid_.unit = unit;
+}
 std::span<const GridPoint> RefinableMesh::positions() const { return positions_; }
 std::span<const Triangle> RefinableMesh::triangles() const { return connectivity_.triangles(); }
 std::int32_t RefinableMesh::twin(std::int32_t halfedge) const { return connectivity_.twin(halfedge); }

@@ -54,6 +54,8 @@ public:
     int n_vertices() const;
     int n_faces() const;
     const Grid& grid() const;
+    /// Has the grid stand elsewhere in the world, or at another scale: no integer changes.
+    void move_grid(const Vec3& origin, double unit);
     std::span<const GridPoint> positions() const;
     std::span<const Triangle> triangles() const;
     std::int32_t twin(std::int32_t halfedge) const;  ///< the opposite half-edge

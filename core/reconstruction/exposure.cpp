@@ -108,10 +108,15 @@ std::vector<Gains> estimate_gains(const PhotoImages& images, const SurfaceView& 
     return gains;
 }
 
-void even_out_exposure(PhotoImages& images, const SurfaceView& surface) {
+std::vector<Gains> even_out_exposure(PhotoImages& images, const SurfaceView& surface) {
     const std::vector<Gains> gains = estimate_gains(images, surface);
     const auto is_even = [](double gain) { return std::max(gain, 1 / gain) < least_gain; };
-    if (std::ranges::all_of(gains, [&](const Gains& g) { return std::ranges::all_of(g, is_even); })) return;
+    if (std::ranges::all_of(gains, [&](const Gains& g) { return std::ranges::all_of(g, is_even); })) return {};
+    divide_by_gains(images, gains);
+    return gains;
+}
+
+void divide_by_gains(PhotoImages& images, std::span<const Gains> gains) {
     parallel_for(
         images.views.size(),
         [&](std::size_t i) {

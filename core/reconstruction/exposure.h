@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/reconstruction/photo_images.h"
@@ -19,6 +20,10 @@ std::vector<Gains> estimate_gains(const PhotoImages& images, const SurfaceView& 
 
 /// Divides the views' colours by their gains if one of these is off by more than the estimate may be, 2 %; what exceeds
 /// 255 is cut off. Evenly exposed views stay as they are, bit for bit.
-void even_out_exposure(PhotoImages& images, const SurfaceView& surface);
+/// @return the gains they were divided by, one a view; empty if they stay as they are
+std::vector<Gains> even_out_exposure(PhotoImages& images, const SurfaceView& surface);
+
+/// Divides the views' colours by gains, one a view.
+void divide_by_gains(PhotoImages& images, std::span<const Gains> gains);
 
 }  // namespace anyrate

@@ -30,7 +30,8 @@ bool shows(const DepthMap& map, const Vec3& centre, const OrientedPoint& point, 
 
 }  // namespace
 
-GuessedSurface::GuessedSurface(std::vector<OrientedPoint> points, double reach) : points_(std::move(points)) {
+GuessedSurface::GuessedSurface(std::vector<OrientedPoint> points, double reach)
+    : points_(std::move(points)), reach_(reach) {
     if (!points_.empty()) grid_ = std::make_unique<PointGrid>(points_, reach);
 }
 

@@ -24,8 +24,12 @@ public:
     /// @return one flag a vertex: 1 if a point of a guessed part that faces the same way is near
     std::vector<char> vertices(const SurfaceView& surface) const;
 
+    std::span<const OrientedPoint> points() const { return points_; }
+    double reach() const { return reach_; }
+
 private:
     std::vector<OrientedPoint> points_;
+    double reach_ = 0;
     std::unique_ptr<PointGrid> grid_;  ///< of points_, whose buffer stays where it is when this is moved
 };
 

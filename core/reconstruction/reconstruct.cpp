@@ -26,9 +26,9 @@
 namespace anyrate {
 namespace {
 
-constexpr int coarsest_level = 3;     ///< of the pyramid, where the coarse mesh starts to move
-constexpr double even_density = 1.6;  ///< coarse counts of vertices in the even mesh, before it is subdivided
-constexpr int fewest_even = 1000;     ///< vertices of that mesh: fewer may not carry the surface
+constexpr int coarsest_level = 3;       ///< of the pyramid, where the coarse mesh starts to move
+constexpr double even_density = 1.6;    ///< coarse counts of vertices in the even mesh, before it is subdivided
+constexpr int fewest_even = 1000;       ///< vertices of that mesh: fewer may not carry the surface
 constexpr double least_shift_px = 0.1;  ///< of the views, root mean square: good cameras measure less than 0.09
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
@@ -66,6 +66,8 @@ struct Start {
     Silhouettes silhouettes;
     GuessedSurface guessed;
     Mesh mesh;
+    std::vector<Gains> gains;               // that the colours were divided by
+    std::vector<std::vector<Vec2>> shifts;  // of the views, each time they were moved
 };
 
 /// Step 1: hull, Poisson, remesh to a count.
@@ -80,13 +82,15 @@ Start make_start(Capture capture, int n_vertices, const CaptureFrame& frame, Mod
     give_back_freed_memory();
     tell({Stage::remesh, 0, 0, 0});
     Mesh mesh;
+    std::vector<Gains> gains;
     std::optional<Silhouettes> silhouettes;
     parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, {.n_vertices = n_vertices}); },
                     [&] {
-                        even_out_exposure(images, initial.mesh);
+                        gains = even_out_exposure(images, initial.mesh);
                         silhouettes.emplace(capture);
                     });
-    return {std::move(images), std::move(*silhouettes), std::move(initial.guessed), std::move(mesh)};
+    return {std::move(images), std::move(*silhouettes), std::move(initial.guessed),
+            std::move(mesh),   std::move(gains),        {}};
 }
 
 /// Step 2 of Method::flow. @return Psi before each iteration and at the end
@@ -114,6 +118,7 @@ bool align_views(Start& start, int level, double least_px) {
     if (squared_norm < least_px * least_px * static_cast<double>(shifts.size())) return false;
     shift_views(start.images, shifts);
     start.silhouettes.shift_views(shifts);
+    start.shifts.push_back(shifts);
     return true;
 }
 
@@ -156,6 +161,53 @@ Mesh fit_base(PhotoBackend& backend, Start& start, int n_vertices, const std::st
     return base;
 }
 
+/// What step 3 looks at.
+struct Scene {
+    const PhotoImages& images;
+    Silhouettes& silhouettes;
+    const GuessedSurface& guessed;
+    const NearestSurface& fitted;
+};
+
+/// The refinement's options, as far as the state at its start decides them.
+RefineOptions refine_options(const ReconstructOptions& options) {
+    RefineOptions refinement;
+    refinement.n_vertices = options.n_vertices;
+    refinement.by_area = options.method == Method::uniform;
+    return refinement;
+}
+
+/// Gives the sink the base with its attributes. @return the state that every decoder has then, in the own frame
+RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
+                        PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
+    const RefinementRules rules;
+    RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
+    sink.base_attributes(vertex_colours(images, state.to_mesh()),
+                         measure_state(backend, state, refine_options(options).samples_per_px).point);
+    return state;
+}
+
+/// Step 3: progressive refinement.
+ReconstructResult refine_from(RefinementPoint point, const Scene& scene, PhotoBackend& backend,
+                              const ReconstructOptions& options, ModelSink& sink, const ProgressFn& tell,
+                              const std::stop_token& stop, RefinementJournal* journal) {
+    RefineOptions refinement = refine_options(options);
+    if (options.method == Method::flow) refinement.n_vertices = point.state.n_vertices();
+    ReconstructResult result;
+    result.curve = refine(
+        point.state, backend, scene.silhouettes, scene.images, scene.guessed, scene.fitted, refinement, sink,
+        [&](const CurvePoint& reached) {
+            if (journal) journal->batch(point.is_rejected);
+            const double part = static_cast<double>(reached.n_vertices - options.n_coarse) /
+                                std::max(1, options.n_vertices - options.n_coarse);
+            tell({Stage::refine, part, reached.n_vertices, reached.psi});
+        },
+        stop, &point.is_rejected);
+    result.stopped = stop.stop_requested();
+    if (!journal || !result.stopped) sink.finish();
+    return result;
+}
+
 }  // namespace
 
 const char* stage_name(Stage stage) {
@@ -175,7 +227,7 @@ const char* stage_name(Stage stage) {
 }
 
 ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options, ModelSink& sink,
-                              const ProgressFn& progress, std::stop_token stop) {
+                              const ProgressFn& progress, std::stop_token stop, RefinementJournal* journal) {
     check(options);
     const auto tell = [&](const Progress& p) {
         if (progress) progress(p);
@@ -186,44 +238,79 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
     Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, frame, sink, tell);
-    auto& [images, silhouettes, guessed, mesh] = start;
+    auto& [images, silhouettes, guessed, mesh, gains, shifts] = start;
 
     const auto backend = make_cpu_backend(images);
     const auto sampler = make_cpu_backend(images, options.sampling);
-    ReconstructResult result;
+    std::vector<double> iterations;
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
     if (fixed_rate) {
-        result.iterations = flow_at_fixed_rate(*sampler, *backend, options, mesh, tell, stop);
+        iterations = flow_at_fixed_rate(*sampler, *backend, options, mesh, tell, stop);
     } else {
         optimise_coarse_to_fine(*sampler, start, tell, stop);
         guessed = confirm_guesses(*sampler, silhouettes, guessed, mesh, {}, stop);
     }
     const NearestSurface fitted(mesh);
+    Mesh fitted_mesh = mesh;
     if (!fixed_rate) mesh = fit_base(*sampler, start, n_base, stop);
+    if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
-    const RefinementRules rules;
-    RefinableMesh state(sink.start(frame.in_world(grid), rules, to_base(mesh, grid)), grid, rules);
-    RefineOptions refinement;
-    refinement.n_vertices = options.n_vertices;
-    refinement.by_area = options.method == Method::uniform;
-    sink.base_attributes(vertex_colours(images, state.to_mesh()),
-                         measure_state(*backend, state, refinement.samples_per_px).point);
-
-    // Step 3: progressive refinement.
-    if (fixed_rate) refinement.n_vertices = state.n_vertices();
-    result.curve = refine(
-        state, *backend, silhouettes, images, guessed, fitted, refinement, sink,
-        [&](const CurvePoint& point) {
-            const double part = static_cast<double>(point.n_vertices - options.n_coarse) /
-                                std::max(1, options.n_vertices - options.n_coarse);
-            tell({Stage::refine, part, point.n_vertices, point.psi});
-        },
-        stop);
-    sink.finish();
-    result.stopped = stop.stop_requested();
+    const BaseMesh base = to_base(mesh, grid);
+    if (journal)
+        journal->begin({.grid = grid,
+                        .base = base,
+                        .gains = gains,
+                        .shifts = shifts,
+                        .guess_points = {guessed.points().begin(), guessed.points().end()},
+                        .guess_reach = guessed.reach(),
+                        .fitted = std::move(fitted_mesh)});
+    RefinementPoint point{send_base(base, grid, frame, images, *backend, options, sink), {}};
+    if (journal) journal->batch(point.is_rejected);
+    ReconstructResult result = refine_from(std::move(point), {images, silhouettes, guessed, fitted}, *backend, options,
+                                           sink, tell, stop, journal);
+    result.iterations = std::move(iterations);
     return result;
+}
+
+ReconstructResult resume(Capture capture, const ReconstructOptions& options, const RefinementStart& start,
+                         std::optional<RefinementPoint> point, ModelSink& sink, const ProgressFn& progress,
+                         std::stop_token stop, RefinementJournal& journal) {
+    check(options);
+    const auto tell = [&](const Progress& p) {
+        if (progress) progress(p);
+    };
+    const auto require_one_a_view = [&](const char* what, std::size_t n) {
+        if (n != capture.views.size())
+            throw InputError("resume: expected " + std::to_string(capture.views.size()) + " " + what +
+                             ", one a view, got " + std::to_string(n));
+    };
+    if (!start.gains.empty()) require_one_a_view("gains", start.gains.size());
+    for (const auto& shifts : start.shifts) require_one_a_view("shifts", shifts.size());
+
+    tell({Stage::refine, 0, 0, 0});
+    const CaptureFrame frame = to_own_frame(capture);
+    PhotoImages images = make_photo_images(capture);
+    for (View& view : capture.views) view.image = {};
+    if (!start.gains.empty()) divide_by_gains(images, start.gains);
+    Silhouettes silhouettes(capture);
+    capture = {};
+    for (const auto& shifts : start.shifts) {
+        shift_views(images, shifts);
+        silhouettes.shift_views(shifts);
+    }
+    const GuessedSurface guessed(start.guess_points, start.guess_reach);
+    const NearestSurface fitted(start.fitted);
+    const auto backend = make_cpu_backend(images);
+    if (point) {
+        point->state.move_grid(start.grid.origin, start.grid.unit);
+    } else {
+        point = {send_base(start.base, start.grid, frame, images, *backend, options, sink), {}};
+        journal.batch(point->is_rejected);
+    }
+    return refine_from(std::move(*point), {images, silhouettes, guessed, fitted}, *backend, options, sink, tell, stop,
+                       &journal);
 }
 
 }  // namespace anyrate

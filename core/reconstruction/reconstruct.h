@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
 #include "core/capture/capture.h"
 #include "core/progressive/model_sink.h"
+#include "core/reconstruction/refinement_journal.h"
 #include "core/reconstruction/sampling.h"
 
 namespace anyrate {
@@ -51,8 +53,19 @@ struct ReconstructResult {
 /// The same capture and options give the same calls of the sink for any number of threads; so does a capture that
 /// differs in the world's unit and origin alone, but for the grid's.
 /// @param capture  its colours are given back as soon as they have been prepared for sampling: move it here
+/// @param journal  if there is one, a reconstruction that is stopped gives the sink nothing that an undisturbed one
+///                 would not, neither a base in a hurry nor finish(): it is there to be resumed
 /// @throws InputError if the silhouettes have no common inside, or the counts are out of range
 ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options, ModelSink& sink,
-                              const ProgressFn& progress = {}, std::stop_token stop = {});
+                              const ProgressFn& progress = {}, std::stop_token stop = {},
+                              RefinementJournal* journal = nullptr);
+
+/// Goes on with a reconstruction whose journal was kept: the sink is called as reconstruct() would have called it from
+/// there on. The capture and the options must be the same, the point one of that reconstruction.
+/// @param point  nullopt: the sink takes the base once more, and all that follows
+/// @throws InputError if the capture cannot be the one that `start` came from
+ReconstructResult resume(Capture capture, const ReconstructOptions& options, const RefinementStart& start,
+                         std::optional<RefinementPoint> point, ModelSink& sink, const ProgressFn& progress,
+                         std::stop_token stop, RefinementJournal& journal);
 
 }  // namespace anyrate

@@ -263,10 +263,12 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
                                const RefineOptions& options, ModelSink& sink,
-                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop) {
+                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
+                               std::vector<char>* rejected) {
     StateDistortion now = measure_state(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
-    std::vector<char> is_rejected;  // faces whose split the images did not bear out
+    std::vector<char> none_rejected;
+    std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;
     for (int n_refusals = 0; state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested();) {
         const Mesh mesh = state.to_mesh();
         is_rejected.resize(mesh.triangles.size(), 0);
@@ -276,6 +278,7 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);
         if (batch.empty()) break;
         const BatchTargets targets = optimise_batch(state, batch, backend, silhouettes, guessed, fitted, options, stop);
+        if (stop.stop_requested()) break;  // half optimised, it is not the batch that an undisturbed run makes
         const std::int32_t n_before = state.n_vertices();
         std::optional<Step> step = take_step(state, now, batch, at(size.taken), targets, backend, options, is_rejected);
         if (!step && ++n_refusals < most_refusals) continue;

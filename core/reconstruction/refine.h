@@ -35,10 +35,14 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
 /// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
 /// @param fitted  a finer surface that the images have been asked about already: new vertices start there, and where it
 ///                leaves a face, a split is expected to pay even if the images, compared across the gap, do not say so
+/// @param rejected  one flag a face whose split the images did not bear out: all that is remembered from batch to
+///                  batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
+///                  that would have followed, bit for bit.
 /// @return the curve, the state's own point first
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
                                const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
                                const RefineOptions& options, ModelSink& sink,
-                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop);
+                               const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
+                               std::vector<char>* rejected = nullptr);
 
 }  // namespace anyrate

@@ -25,5 +25,7 @@ void add_token(CLI::App& app, Command& command);
 void add_push(CLI::App& app, Command& command);
 void add_fetch(CLI::App& app, Command& command);
 void add_encode_mesh(CLI::App& app, Command& command);
+void add_gc(CLI::App& app, Command& command);
+void add_backup(CLI::App& app, Command& command);
 
 }  // namespace anyrate

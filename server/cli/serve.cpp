@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/job_options.h"
 #include "server/cli/listen_address.h"
 #include "server/cli/server_log.h"
 #include "server/http/server.h"
@@ -33,8 +34,7 @@ struct ServeCommand {
     int keep_captures_days = 7;
     LogFormat log_format = LogFormat::plain;
     LogRequests log_requests = LogRequests::errors;
-    int n_workers = 1;
-    std::uint64_t worker_memory_mb = 4096;
+    JobOptions jobs;
     std::uint64_t max_upload_mb = 1024;
 };
 
@@ -43,12 +43,12 @@ WorkerCommand worker_command(const ServeCommand& request) {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
     const std::string data = std::filesystem::absolute(request.data).string();
     const std::string parent = std::to_string(::getpid());
-    const std::string memory = std::to_string(request.worker_memory_mb);
+    const std::string memory = std::to_string(request.jobs.worker_memory_mb);
     return [=](const ModelRecord& model) -> std::vector<std::string> {
         return {program,      "worker",
                 "--data",     data,
                 "--model",    model.id,
-                "--attempt",  std::to_string(model.attempts),
+                "--epoch",    std::to_string(model.epoch),
                 "--vertices", std::to_string(model.options.n_vertices),
                 "--coarse",   std::to_string(model.options.n_coarse),
                 "--memory",   memory,
@@ -59,6 +59,7 @@ WorkerCommand worker_command(const ServeCommand& request) {
 int serve(const ServeCommand& request) {
     const Interrupt interrupt;  // before any thread starts
     const ListenAddress listen = parse_listen_address(request.listen);
+    const SchedulerOptions jobs = request.jobs.scheduler();
     const ServerLog log = make_server_log(request.log_format, request.log_requests);
     Server server({.address = listen.address,
                    .port = listen.port,
@@ -73,10 +74,12 @@ int serve(const ServeCommand& request) {
                    .max_connections = request.max_connections,
                    .n_network_threads = request.n_network_threads,
                    .viewer = request.viewer,
-                   .jobs = {.n_workers = request.n_workers},
+                   .jobs = jobs,
+                   .keep = keep_rule(request.jobs.keep_days, request.jobs.keep_mb),
                    .worker_command = worker_command(request),
                    .log = log.line,
-                   .log_access = log.request});
+                   .log_access = log.request,
+                   .log_from_status = log.from_status});
     std::printf("listening on %s\n", server.url().c_str());
     std::fflush(stdout);
     server.run(interrupt.token());
@@ -138,13 +141,7 @@ void add_serve(CLI::App& app, Command& command) {
     sub->add_option("--data", request->data, "data directory; made if missing")
         ->envname("ANYRATE_DATA")
         ->capture_default_str();
-    sub->add_option("--workers", request->n_workers, "reconstructions at a time")
-        ->envname("ANYRATE_WORKERS")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
-    sub->add_option("--worker-memory", request->worker_memory_mb, "MB a worker may use; 0 for no limit")
-        ->envname("ANYRATE_WORKER_MEMORY")
-        ->capture_default_str();
+    add_job_options(*sub, request->jobs);
     sub->add_option("--max-upload", request->max_upload_mb, "MB of one capture")
         ->envname("ANYRATE_MAX_UPLOAD")
         ->check(CLI::Range(1, 1 << 20))

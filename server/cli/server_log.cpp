@@ -59,8 +59,8 @@ ServerLog make_server_log(LogFormat format, LogRequests requests) {
         logger->info("{}", as_json ? members({{"message", line}}) : printable(line));
     };
     if (requests == LogRequests::none) return log;
-    log.request = [logger, as_json, requests](const AccessRecord& record) {
-        if (requests == LogRequests::errors && record.status < 400) return;
+    log.from_status = requests == LogRequests::errors ? 400 : 0;
+    log.request = [logger, as_json](const AccessRecord& record) {
         logger->log(level_of(record), "{}", as_json ? json_of(record) : plain_of(record));
     };
     return log;

@@ -15,6 +15,7 @@ enum class LogRequests { none, errors, all };  ///< errors: answers from 400 on
 struct ServerLog {
     std::function<void(const std::string&)> line;
     std::function<void(const AccessRecord&)> request;  ///< empty if none are logged
+    int from_status = 0;                               ///< those that are
 };
 
 ServerLog make_server_log(LogFormat format, LogRequests requests);

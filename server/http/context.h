@@ -41,11 +41,13 @@ struct ServerContext {
     Metrics& metrics;
     asio::thread_pool& quick_pool;  ///< catalog and files
     asio::thread_pool& heavy_pool;  ///< decoding of meshes
+    std::size_t hot_route = 0;      ///< number of the route of logs
     HttpLimits limits;
     AccessRules access;
     std::vector<std::string> cors_origins;                ///< that browsers may ask from; "*" for any
     std::function<void(const std::string&)> log;          ///< takes a line for the operator
-    std::function<void(const AccessRecord&)> log_access;  ///< takes every request; empty for none
+    std::function<void(const AccessRecord&)> log_access;  ///< takes requests; empty for none
+    int log_from_status = 0;                              ///< only requests whose answer has such a status or a higher
 };
 
 }  // namespace anyrate

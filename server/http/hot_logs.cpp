@@ -25,8 +25,9 @@ std::shared_ptr<const HotLog> HotLogs::find(std::string_view id) {
     return found->second->log;
 }
 
-std::shared_ptr<const HotLog> HotLogs::keep(const std::string& id, LogView sealed, std::uint64_t generation) {
-    auto log = std::make_shared<HotLog>(HotLog{std::move(sealed), nullptr});
+std::shared_ptr<const HotLog> HotLogs::keep(const std::string& id, LogView sealed, std::string etag,
+                                            std::uint64_t generation) {
+    auto log = std::make_shared<HotLog>(HotLog{std::move(sealed), std::move(etag), nullptr});
     if (log->view.size <= max_bytes_ / 4) log->bytes = read_log(log->view);
     const std::lock_guard lock(mutex_);
     if (generation != generation_ || by_id_.contains(id)) return log;

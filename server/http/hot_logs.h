@@ -16,6 +16,7 @@ namespace anyrate {
 /// A sealed log with its bytes.
 struct HotLog {
     LogView view;
+    std::string etag;                                     ///< of the whole log
     std::shared_ptr<const std::vector<std::byte>> bytes;  ///< nullptr if it is too long to be kept in memory
 };
 
@@ -31,7 +32,8 @@ public:
     /// @param generation  as it was before the catalog was asked for the model: a model that was removed since is not
     ///                    kept
     /// @throws IoError
-    std::shared_ptr<const HotLog> keep(const std::string& id, LogView sealed, std::uint64_t generation);
+    std::shared_ptr<const HotLog> keep(const std::string& id, LogView sealed, std::string etag,
+                                       std::uint64_t generation);
     std::uint64_t generation() const;
     /// The model is removed.
     void forget(const std::string& id);

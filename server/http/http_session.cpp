@@ -15,6 +15,7 @@
 #include "server/http/bearer.h"
 #include "server/http/cors.h"
 #include "server/http/events_session.h"
+#include "server/http/hot_path.h"
 #include "server/http/live_session.h"
 #include "server/http/on_pool.h"
 #include "server/http/problem.h"
@@ -71,7 +72,7 @@ struct Account {
         counted.by_class[std::min(digit, counted.by_class.size() - 1)].fetch_add(1, std::memory_order_relaxed);
         counted.seconds.observe(elapsed.count());
         metrics.sent_bytes.fetch_add(n_sent, std::memory_order_relaxed);
-        if (!connection_.context.log_access) return;
+        if (!connection_.context.log_access || response.status < connection_.context.log_from_status) return;
         connection_.context.log_access({.request_id = request_id,
                                         .client = connection_.client,
                                         .method = request.method,
@@ -320,10 +321,61 @@ awaitable<bool> serve_request(Connection& connection) {
     co_return !connection.must_close;
 }
 
+/// Whether the hot path answers as the general one would: nothing asks for more than it does.
+bool may_serve_hot(const Connection& connection) {
+    const ServerContext& context = connection.context;
+    const bool is_logged = context.log_access && context.log_from_status <= 206;
+    return !connection.stream->is_tls() && !context.access.is_private && !is_logged;
+}
+
+std::string_view received(const Connection& connection) {
+    return {static_cast<const char*>(connection.buffer.data().data()), connection.buffer.size()};
+}
+
+awaitable<void> answer_from_memory(Connection& connection, const HotAnswer& answer, const std::string& header,
+                                   RouteMetrics& counted) {
+    const auto begun = std::chrono::steady_clock::now();
+    std::size_t n_sent = 0;
+    if (!write_now(*connection.stream, header, answer.body, n_sent))
+        co_await write_rest(*connection.stream, header, answer.body, n_sent, connection.context.limits.write_patience);
+    counted.by_class[2].fetch_add(1, std::memory_order_relaxed);
+    counted.seconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+    connection.context.metrics.sent_bytes.fetch_add(answer.body.n_bytes, std::memory_order_relaxed);
+}
+
+/// Serves requests for logs in memory until another one comes, whose bytes stay in the buffer.
+/// @return false if the connection ended
+awaitable<bool> serve_hot(Connection& connection) {
+    ServerContext& context = connection.context;
+    RouteMetrics& counted = *context.metrics.routes[context.hot_route];
+    std::string header;
+    for (;;) {
+        if (connection.buffer.size() > 0) {
+            if (context.sessions.is_draining()) co_return true;
+            const auto answer = answer_hot(received(connection), context.service.hot_logs, header);
+            if (!answer) co_return true;
+            connection.buffer.consume(answer->n_request_bytes);
+            co_await answer_from_memory(connection, *answer, header, counted);
+            continue;
+        }
+        connection.stream->expires_after(context.limits.header_patience);
+        connection.is_idle = true;
+        ErrorCode error;
+        const std::size_t n = co_await connection.stream->async_read_some(connection.buffer.prepare(4096),
+                                                                          asio::redirect_error(use_awaitable, error));
+        connection.is_idle = false;
+        if (error) co_return false;
+        connection.buffer.commit(n);
+    }
+}
+
 awaitable<void> serve_requests(Connection& connection) {
     std::optional<HttpProblem> problem;
+    const bool is_hot = may_serve_hot(connection);
     try {
-        while (co_await serve_request(connection)) {
+        for (bool goes_on = true; goes_on;) {
+            if (is_hot && !co_await serve_hot(connection)) break;
+            goes_on = co_await serve_request(connection);
         }
     } catch (const HttpProblem& unreadable) {
         problem = unreadable;

@@ -149,7 +149,8 @@ Response serve_log(Service& service, const Request& request) {
     const std::uint64_t generation = service.hot_logs.generation();
     LogView log = expect_log(service, request);
     if (!log.sealed) return prefix_response(request, log, nullptr);
-    const auto hot = service.hot_logs.keep(request.captured.at("id"), std::move(log), generation);
+    std::string etag = etag_of(log, log.size, "");
+    const auto hot = service.hot_logs.keep(request.captured.at("id"), std::move(log), std::move(etag), generation);
     return prefix_response(request, hot->view, hot->bytes);
 }
 

@@ -66,6 +66,23 @@ void Histogram::write(std::string& text, const std::string& name, const std::str
     text += name + "_count" + braces + " " + std::to_string(n) + "\n";
 }
 
+void StageTimes::add(const std::string& stage, double seconds) {
+    const std::lock_guard lock(mutex_);
+    Total& total = totals_[stage];
+    ++total.n;
+    total.seconds += seconds;
+}
+
+void StageTimes::write(std::string& text) const {
+    const std::lock_guard lock(mutex_);
+    if (totals_.empty()) return;
+    write_head(text, "anyrate_stage_seconds", "summary", "Time that the stages of jobs took.");
+    for (const auto& [stage, total] : totals_) {
+        text += "anyrate_stage_seconds_sum{stage=\"" + stage + "\"} " + number(total.seconds) + "\n";
+        text += "anyrate_stage_seconds_count{stage=\"" + stage + "\"} " + std::to_string(total.n) + "\n";
+    }
+}
+
 void write_metric(std::string& text, const char* name, const char* type, const char* help, double value) {
     write_head(text, name, type, help);
     text += std::string(name) + " " + number(value) + "\n";
@@ -90,6 +107,7 @@ std::string to_prometheus(const Metrics& metrics) {
     counter("anyrate_rejected_tokens_total", "Requests refused for want of a token.", metrics.rejected_tokens);
     counter("anyrate_received_bytes_total", "Bytes of request bodies.", metrics.received_bytes);
     counter("anyrate_sent_bytes_total", "Bytes of response bodies and live messages.", metrics.sent_bytes);
+    metrics.stages.write(text);
     return text;
 }
 

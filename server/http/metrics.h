@@ -3,7 +3,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,21 @@ struct RouteMetrics {
     Histogram seconds;                                     ///< from the end of the header to the end of the answer
 };
 
+/// How long the stages of jobs took. Safe to use from several threads.
+class StageTimes {
+public:
+    void add(const std::string& stage, double seconds);
+    void write(std::string& text) const;  ///< lines of the Prometheus text format
+
+private:
+    struct Total {
+        std::uint64_t n = 0;
+        double seconds = 0;
+    };
+    mutable std::mutex mutex_;
+    std::map<std::string, Total> totals_;
+};
+
 /// What the server counts while it runs. Safe to use from several threads.
 struct Metrics {
     using Count = std::atomic<std::uint64_t>;
@@ -38,6 +55,7 @@ struct Metrics {
     std::vector<std::unique_ptr<RouteMetrics>> routes;  ///< of the router, in its order; the last for no route at all
     Count connections = 0, rejected_tokens = 0, timeouts = 0;
     Count received_bytes = 0, sent_bytes = 0;  ///< of bodies and live messages
+    StageTimes stages;
     Count live_clients = 0, live_messages = 0, live_bytes = 0, live_evictions = 0, event_clients = 0;
 };
 

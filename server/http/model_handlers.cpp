@@ -148,6 +148,16 @@ Response show_model(Service& service, const Request& request) {
     return json_response(200, model_json(model, service.catalog.curve(model.id)));
 }
 
+Response cancel_model(Service& service, const Request& request) {
+    expect_only(request, {});
+    const ModelRecord model = expect_model(service, request);
+    if (!service.catalog.cancel(model.id, now()))
+        throw HttpProblem(409, "model " + model.id + " cannot be cancelled: it is " +
+                                   state_name(expect_model(service, request).state));
+    service.on_removed(model.id);
+    return json_response(200, model_json(expect_model(service, request)));
+}
+
 Response delete_model(Service& service, const Request& request) {
     expect_only(request, {});
     const ModelRecord model = expect_model(service, request);

@@ -15,6 +15,8 @@ Response list_models(Service& service, const Request& request);
 /// GET /v1/models/{id}
 Response show_model(Service& service, const Request& request);
 /// DELETE /v1/models/{id}: in any state; 204
+/// POST /v1/models/{id}/cancel: ends a model that is queued or running; its log stays. @throws HttpProblem 409
+Response cancel_model(Service& service, const Request& request);
 Response delete_model(Service& service, const Request& request);
 /// GET /v1/models/{id}/events
 Response watch_model(Service& service, const Request& request);

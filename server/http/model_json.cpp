@@ -32,10 +32,12 @@ ordered_json to_json(const ModelRecord& model) {
                          {"vertices", model.progress.n_vertices},
                          {"bytes", model.progress.n_bytes},
                          {"distortion", nullptr},
+                         {"seconds_left", nullptr},
                          {"attempts", model.attempts},
                          {"created", iso_time(model.created)},
                          {"updated", iso_time(model.updated)},
                          {"options", {{"vertices", model.options.n_vertices}, {"coarse", model.options.n_coarse}}}};
+    if (model.progress.seconds_left) json["seconds_left"] = *model.progress.seconds_left;
     if (model.progress.psi) json["distortion"] = *model.progress.psi;
     if (!model.error.empty()) json["error"] = model.error;
     json["links"] = links_of(model);

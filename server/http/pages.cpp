@@ -139,9 +139,16 @@ Response show_metrics(Service& service, const Request&) {
     std::string text = to_prometheus(service.metrics);
     write_metric(text, "anyrate_free_bytes", "gauge", "Bytes that are free on the disk of the data directory.",
                  static_cast<double>(service.store.free_bytes()));
+    text += "# HELP anyrate_models Models by state.\n# TYPE anyrate_models gauge\n";
+    for (const auto& [state, n] : service.catalog.counts())
+        text += std::string("anyrate_models{state=\"") + state_name(state) + "\"} " + std::to_string(n) + "\n";
     return text_response(std::move(text), "text/plain; version=0.0.4");
 }
 
-Response openapi(const Request&) { return text_response(std::string(openapi_document()), "application/yaml"); }
+Response openapi_yaml(const Request&) { return text_response(std::string(openapi_document()), "application/yaml"); }
+
+Response openapi_json(const Request&) {
+    return text_response(std::string(openapi_document_json()), "application/json");
+}
 
 }  // namespace anyrate

@@ -14,7 +14,8 @@ Response healthz(const Request& request);
 Response show_metrics(Service& service, const Request& request);
 /// GET /readyz: the catalog answers and the disk has room. @throws HttpProblem 503 saying what is wrong
 Response readyz(Service& service, const Request& request);
-/// GET /openapi.yaml: proto/openapi.yaml as it was built in.
-Response openapi(const Request& request);
+/// GET /openapi.yaml, /openapi.json: proto/openapi.yaml as it was built in.
+Response openapi_yaml(const Request& request);
+Response openapi_json(const Request& request);
 
 }  // namespace anyrate

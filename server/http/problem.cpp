@@ -51,9 +51,9 @@ std::string status_phrase(int status) {
 
 Response problem_response(const HttpProblem& problem) {
     const nlohmann::ordered_json document = {{"type", "about:blank"},
-                                     {"title", status_phrase(problem.status)},
-                                     {"status", problem.status},
-                                     {"detail", problem.what()}};
+                                             {"title", status_phrase(problem.status)},
+                                             {"status", problem.status},
+                                             {"detail", problem.what()}};
     Response response{.status = problem.status, .headers = problem.headers, .body = {}};
     response.headers.add("Content-Type", "application/problem+json");
     response.headers.add("Cache-Control", "no-store");
@@ -68,6 +68,8 @@ HttpProblem to_problem(std::exception_ptr error) {
         return problem;
     } catch (const InputError& input) {
         return {400, input.what()};
+    } catch (const DiskFull&) {
+        return {507, "the server's disk is full; delete models or try again later", {{"Retry-After", "10"}}};
     } catch (const IoError&) {
         return {503, "the server's storage does not answer; try again later", {{"Retry-After", "10"}}};
     } catch (...) {

@@ -23,7 +23,8 @@ std::string status_phrase(int status);
 Response problem_response(const HttpProblem& problem);
 
 /// What any exception of a handler becomes, the one place where types turn into statuses: HttpProblem its own,
-/// InputError 400, IoError 503, everything else 500 without its words (they may tell what is nobody's business).
+/// InputError 400, DiskFull 507, other IoErrors 503, everything else 500 without its words (they may tell what is
+/// nobody's business).
 HttpProblem to_problem(std::exception_ptr error);
 
 }  // namespace anyrate

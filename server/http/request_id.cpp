@@ -26,7 +26,10 @@ const std::string& prefix() {
 
 std::string request_id_of(const Request& request) {
     const std::string_view given = request.headers.find("X-Request-Id").value_or("");
-    if (is_id(given)) return std::string(given);
+    return is_id(given) ? std::string(given) : fresh_request_id();
+}
+
+std::string fresh_request_id() {
     static std::atomic<std::uint64_t> n_requests = 0;
     char number[20];
     const auto end = std::to_chars(number, number + sizeof number, ++n_requests).ptr;

@@ -9,9 +9,9 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/http/status.hpp>
 #include <cerrno>
-#include <ctime>
 #include <string>
 
+#include "server/http/http_date.h"
 #include "server/http/problem.h"
 
 namespace anyrate {
@@ -20,22 +20,6 @@ namespace {
 std::string reason(int status) {
     const auto known = beast::http::obsolete_reason(static_cast<beast::http::status>(status));
     return known == "<unknown-status>" ? status_phrase(status) : std::string(known);
-}
-
-/// The Date field, made once a second on each thread.
-const std::string& http_date() {
-    thread_local std::time_t made = 0;
-    thread_local std::string date;
-    const std::time_t now = std::time(nullptr);
-    if (now != made) {
-        std::tm utc{};
-        ::gmtime_r(&now, &utc);
-        char text[40];
-        std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S GMT", &utc);
-        date = text;
-        made = now;
-    }
-    return date;
 }
 
 /// Status line and fields, without the empty line.
@@ -60,11 +44,14 @@ std::string common_header(const Response& response) {
 
 bool may_have_body(int status) { return status >= 200 && status != 204 && status != 304; }
 
-/// The body as it lies in memory, if it does.
+/// Longer bodies are sent from the page cache, without being copied; shorter ones cost less when they are copied.
+constexpr std::uint64_t max_copied = 64 * 1024;
+
+/// The body as it lies in memory, if it does and is short.
 std::optional<asio::const_buffer> bytes_in_memory(const Response& response) {
     if (const auto* text = std::get_if<std::string>(&response.body)) return asio::buffer(*text);
     const auto& file = std::get<FileBody>(response.body);
-    if (!file.memory) return std::nullopt;
+    if (!file.memory || file.n_bytes > max_copied) return std::nullopt;
     return asio::buffer(file.memory->data() + file.begin, file.n_bytes);
 }
 
@@ -106,6 +93,25 @@ awaitable<void> copy_file(Stream& stream, const FileBody& body) {
     }
 }
 
+/// Sends as much of header and body as the kernel takes now. @return how much of the two together
+std::size_t send_now(Stream& stream, std::string_view header, asio::const_buffer body) {
+    iovec parts[2] = {{const_cast<char*>(header.data()), header.size()}, {const_cast<void*>(body.data()), body.size()}};
+    msghdr message{};
+    message.msg_iov = parts;
+    message.msg_iovlen = 2;
+    const ssize_t sent = ::sendmsg(stream.socket().native_handle(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) throw_errno(errno);
+    return sent < 0 ? 0 : static_cast<std::size_t>(sent);
+}
+
+/// Sends header and body but for their first `n_sent` bytes.
+awaitable<void> write_rest(Stream& stream, std::string_view header, asio::const_buffer body, std::size_t n_sent) {
+    const std::size_t of_header = std::min(n_sent, header.size());
+    const std::array<asio::const_buffer, 2> parts = {asio::buffer(header.data(), header.size()) + of_header,
+                                                     body + (n_sent - of_header)};
+    co_await asio::async_write(stream, parts, use_awaitable);
+}
+
 /// Leaves the header in the kernel's buffer, so that it shares its packet with the first bytes of the body.
 awaitable<void> write_header_of_file(Stream& stream, std::string_view header) {
     const ssize_t sent = ::send(stream.socket().native_handle(), header.data(), header.size(), MSG_MORE | MSG_NOSIGNAL);
@@ -139,6 +145,25 @@ awaitable<void> write_response(Stream& stream, const Response& response, const W
     } else {
         co_await write_header_of_file(stream, header);
         co_await write_file(stream, std::get<FileBody>(response.body));
+    }
+    stream.expires_never();
+}
+
+bool write_now(Stream& stream, std::string_view header, const FileBody& body, std::size_t& n_sent) {
+    n_sent = 0;
+    if (!body.memory || body.n_bytes > max_copied) return false;
+    n_sent = send_now(stream, header, asio::buffer(body.memory->data() + body.begin, body.n_bytes));
+    return n_sent == header.size() + body.n_bytes;
+}
+
+awaitable<void> write_rest(Stream& stream, std::string_view header, const FileBody& body, std::size_t n_sent,
+                           std::chrono::seconds patience) {
+    stream.expires_without_progress(patience);
+    if (body.memory && body.n_bytes <= max_copied) {
+        co_await write_rest(stream, header, asio::buffer(body.memory->data() + body.begin, body.n_bytes), n_sent);
+    } else {
+        co_await write_header_of_file(stream, header);
+        co_await write_file(stream, body);
     }
     stream.expires_never();
 }

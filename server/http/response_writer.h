@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <string_view>
 
 #include "server/http/message.h"
 #include "server/http/net.h"
@@ -18,6 +19,13 @@ struct WriteOptions {
 /// from the page cache to the socket without being copied through the program (except under TLS).
 /// @throws boost::system::system_error the connection broke or the reader was too slow
 awaitable<void> write_response(Stream& stream, const Response& response, const WriteOptions& options);
+
+/// Sends a header and a short body that is in memory over plain TCP, as far as that goes without a wait.
+/// @param n_sent  gets the bytes that went @return whether all did @throws boost::system::system_error
+bool write_now(Stream& stream, std::string_view header, const FileBody& body, std::size_t& n_sent);
+/// Sends what write_now() left, or a longer body from its file.
+awaitable<void> write_rest(Stream& stream, std::string_view header, const FileBody& body, std::size_t n_sent,
+                           std::chrono::seconds patience);
 
 /// Sends only the header of a response whose body has no length yet; it ends with the connection.
 awaitable<void> write_open_header(Stream& stream, const Response& response, std::chrono::seconds patience);

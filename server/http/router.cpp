@@ -1,6 +1,7 @@
 #include "server/http/router.h"
 
 #include <algorithm>
+#include <cassert>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -56,6 +57,13 @@ std::string joined(const std::set<std::string>& methods) {
 }
 
 }  // namespace
+
+std::size_t Router::number_of(const std::string& pattern) const {
+    const auto route =
+        std::find_if(routes_.begin(), routes_.end(), [&](const Route& r) { return r.pattern == pattern; });
+    assert(route != routes_.end());
+    return static_cast<std::size_t>(route - routes_.begin());
+}
 
 const Route& Router::find(Request& request) const {
     std::set<std::string> allowed;

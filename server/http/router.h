@@ -32,6 +32,7 @@ public:
     /// @throws HttpProblem 404 no route has the path, 405 (with Allow) one has, but not for this method
     const Route& find(Request& request) const;
     const std::vector<Route>& routes() const { return routes_; }
+    std::size_t number_of(const std::string& pattern) const;  ///< of the first route of a pattern that is there
     std::size_t number_of(const Route& route) const { return static_cast<std::size_t>(&route - routes_.data()); }
 
 private:

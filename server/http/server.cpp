@@ -28,6 +28,7 @@ namespace anyrate {
 namespace {
 
 constexpr auto drain_patience = std::chrono::seconds(20);
+constexpr auto housekeeping_interval = std::chrono::seconds(10);
 
 tcp::endpoint endpoint_of(const ServerOptions& options) {
     ErrorCode error;
@@ -168,6 +169,7 @@ struct Server::State {
         expect_safe(options, endpoint, tokens);
         store.remove_leftovers([this](const std::string& id) { return catalog.find(id).has_value(); });
         metrics.routes = metrics_of(router);
+        context.hot_route = router.number_of("/v1/models/{id}/log");
     }
     ~State() { join(); }
 
@@ -175,6 +177,12 @@ struct Server::State {
         quick_pool.join();
         heavy_pool.join();
         for (const auto& thread : threads) thread->stop();
+    }
+
+    SchedulerOptions counted_jobs() {
+        SchedulerOptions jobs = options.jobs;
+        jobs.on_stage = [this](const std::string& stage, double seconds) { metrics.stages.add(stage, seconds); };
+        return jobs;
     }
 
     ServerOptions options;
@@ -218,12 +226,15 @@ struct Server::State {
                           .access = {tokens, options.is_private},
                           .cors_origins = options.cors_origins,
                           .log = options.log,
-                          .log_access = options.log_access};
+                          .log_access = options.log_access,
+                          .log_from_status = options.log_from_status};
     std::vector<std::unique_ptr<NetworkThread>> threads;
     asio::steady_timer capture_timer{threads[0]->loop()};
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
-    std::optional<Scheduler> scheduler{std::in_place,          catalog,      events,
-                                       options.worker_command, options.jobs, options.log};
+    std::optional<Scheduler> scheduler{std::in_place,          catalog,        events,
+                                       options.worker_command, counted_jobs(), options.log};
+    Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
+                            options.log};
 };
 
 Server::Server(ServerOptions options) {

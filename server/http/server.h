@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/http/access_record.h"
+#include "server/jobs/housekeeping.h"
 #include "server/jobs/scheduler.h"
 
 namespace anyrate {
@@ -27,9 +28,11 @@ struct ServerOptions {
     int n_network_threads = 2;
     std::filesystem::path viewer = {};  ///< folder of the web viewer's files; none there: a plain page
     SchedulerOptions jobs = {};
+    KeepRule keep = {};  ///< of finished models
     WorkerCommand worker_command;
     LogLine log;
-    std::function<void(const AccessRecord&)> log_access = {};  ///< takes every request; empty for none
+    std::function<void(const AccessRecord&)> log_access = {};  ///< takes requests; empty for none
+    int log_from_status = 0;  ///< only those whose answer has such a status or a higher
 };
 
 /// The whole server: stores, scheduler, listener.

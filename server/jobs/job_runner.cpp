@@ -2,13 +2,16 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
+#include <memory>
 #include <new>
+#include <optional>
+#include <utility>
 
 #include "core/capture/load_capture.h"
 #include "core/error.h"
 #include "server/jobs/durable_sink.h"
-#include "server/store/log_view.h"
+#include "server/jobs/job_journal.h"
+#include "server/jobs/time_left.h"
 #include "server/store/model_id.h"
 
 namespace anyrate {
@@ -19,8 +22,15 @@ using Report = std::function<void(const WorkerMessage&)>;
 /// Reports each new stage at once and else at most five times a second: every report is a transaction of the catalog.
 class ProgressReporter {
 public:
-    explicit ProgressReporter(const Report& report) : report_(report) {}
+    ProgressReporter(const Report& report, const ModelOptions& options)
+        : report_(report), time_left_(options.n_vertices - options.n_coarse) {}
 
+    /// The attempt begins, behind so much of the log.
+    void begun(const LogMark& from, std::uint32_t n_vertices) {
+        state_.n_bytes = from.n_bytes;
+        state_.n_vertices = n_vertices;
+        report_(JobBegun{from.n_bytes});
+    }
     void stage(const std::string& name) { progress({.stage = name, .fraction = 0, .psi = state_.psi}); }
     void reconstruction(const Progress& now) {
         progress({.stage = stage_name(now.stage),
@@ -37,6 +47,7 @@ public:
     void sealed(std::uint64_t n_bytes) {
         state_.fraction = 1;
         state_.n_bytes = n_bytes;
+        state_.seconds_left = 0;
         send();
     }
     void point(const RatePoint& point) {
@@ -49,6 +60,9 @@ public:
 private:
     void progress(JobProgress now) {
         const bool new_stage = now.stage != state_.stage;
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
+        time_left_.reach(now.stage, now.fraction, elapsed.count());
+        now.seconds_left = time_left_.seconds();
         now.n_vertices = state_.n_vertices;
         now.n_bytes = state_.n_bytes;
         state_ = now;
@@ -65,33 +79,98 @@ private:
     }
 
     const Report& report_;
+    TimeLeft time_left_;
     JobProgress state_;
+    std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point sent_{};
 };
 
-/// @return whether the model was sealed; false if it was told to stop
-bool make_model(const Job& job, const JobSteps& steps, const Report& report, std::stop_token stop) {
-    ProgressReporter progress(report);
-    if (const auto log = open_log(job.paths.sealed_log, job.paths.live_log); log && log->sealed) {
-        progress.found(*log);
+class Attempt {
+public:
+    Attempt(const Job& job, const JobSteps& steps, LogStore& store, const Report& report, std::stop_token stop)
+        : job_(job), steps_(steps), store_(store), progress_(report, job.options), stop_(std::move(stop)) {}
+
+    /// @return whether the model was sealed; false if it was told to stop
+    bool run() {
+        auto log = store_.take(job_.model_id, job_.epoch);
+        if (const auto view = store_.open_log(job_.model_id); view && view->sealed) {
+            progress_.found(*view);
+            drop_progress(*log);
+            return true;
+        }
+        progress_.stage("load");
+        Capture capture = steps_.load(job_.capture);
+        if (stop_.stop_requested()) return false;
+        try {
+            return go_on(std::move(capture), std::move(log));
+        } catch (const LogDiverged&) {
+            // Another machine, or another version of this program, began it. Clients are told by the log's new id.
+            return begin(steps_.load(job_.capture), store_.take(job_.model_id, job_.epoch),
+                         log_id_of(job_.model_id, job_.epoch));
+        }
+    }
+
+private:
+    bool go_on(Capture capture, std::unique_ptr<LogAppender> log) {
+        const auto kept = kept_progress(*log);
+        if (!kept) return begin(std::move(capture), std::move(log), log_id_of(job_.model_id, 1));
+        const std::uint64_t log_id = kept->checkpoint.log_id;
+        if (!kept->mark) {
+            DurableSink sink(std::move(log), log_id, on_point(), {});
+            progress_.begun({}, 0);
+            return resume(std::move(capture), kept->checkpoint.start, std::nullopt, sink, log_id);
+        }
+        try {
+            DurableSink sink(std::move(log), log_id, *kept->mark, on_point());
+            RefinementPoint point{sink.state(), kept->mark->is_rejected};
+            progress_.begun(*kept->mark, static_cast<std::uint32_t>(point.state.n_vertices()));
+            return resume(std::move(capture), kept->checkpoint.start, std::move(point), sink, log_id);
+        } catch (const DecodeError& error) {
+            throw LogDiverged(error.what());  // the disk lost or changed what was durable
+        }
+    }
+
+    bool begin(Capture capture, std::unique_ptr<LogAppender> log, std::uint64_t log_id) {
+        drop_progress(*log);
+        DurableSink sink(std::move(log), log_id, on_point(),
+                         [this](const RatePoint& point) { progress_.preview(point); });
+        progress_.begun({}, 0);
+        JobJournal journal(sink, log_id);
+        return end(sink, steps_.reconstruct(std::move(capture), options(), sink, on_progress(), stop_, journal));
+    }
+
+    bool resume(Capture capture, const RefinementStart& start, std::optional<RefinementPoint> point, DurableSink& sink,
+                std::uint64_t log_id) {
+        JobJournal journal(sink, log_id);
+        return end(sink, steps_.resume(std::move(capture), options(), start, std::move(point), sink, on_progress(),
+                                       stop_, journal));
+    }
+
+    bool end(DurableSink& sink, const ReconstructResult& result) {
+        if (result.stopped) return false;
+        progress_.stage("seal");
+        sink.seal();
+        progress_.sealed(store_.open_log(job_.model_id).value().size);
+        drop_progress(sink.log());
         return true;
     }
-    progress.stage("load");
-    Capture capture = steps.load(job.paths.capture);
-    if (stop.stop_requested()) return false;
-    DurableSink sink(
-        log_id_of_attempt(job.model_id, job.attempt), job.paths.live_log,
-        [&](const RatePoint& point) { progress.point(point); },
-        [&](const RatePoint& point) { progress.preview(point); });
-    const ReconstructOptions options{.n_vertices = job.options.n_vertices, .n_coarse = job.options.n_coarse};
-    const ReconstructResult result = steps.reconstruct(
-        std::move(capture), options, sink, [&](const Progress& now) { progress.reconstruction(now); }, stop);
-    if (result.stopped) return false;
-    progress.stage("seal");
-    sink.seal(job.paths.sealed_log);
-    progress.sealed(std::filesystem::file_size(job.paths.sealed_log));
-    return true;
-}
+
+    ReconstructOptions options() const {
+        return {.n_vertices = job_.options.n_vertices, .n_coarse = job_.options.n_coarse};
+    }
+    DurableSink::PointFn on_point() {
+        return [this](const RatePoint& point) { progress_.point(point); };
+    }
+    ProgressFn on_progress() {
+        return [this](const Progress& now) { progress_.reconstruction(now); };
+    }
+
+    const Job& job_;
+    const JobSteps& steps_;
+    LogStore& store_;
+    ProgressReporter progress_;
+    std::stop_token stop_;
+};
 
 }  // namespace
 
@@ -99,16 +178,23 @@ JobSteps real_job_steps() {
     return {.load = [](const std::filesystem::path& file) { return load_capture(file); },
             .reconstruct =
                 [](Capture capture, const ReconstructOptions& options, ModelSink& sink, const ProgressFn& progress,
-                   std::stop_token stop) { return reconstruct(std::move(capture), options, sink, progress, stop); }};
+                   std::stop_token stop, RefinementJournal& journal) {
+                    return reconstruct(std::move(capture), options, sink, progress, stop, &journal);
+                },
+            .resume = resume};
 }
 
-void run_job(const Job& job, const JobSteps& steps, const Report& report, std::stop_token stop) {
+void run_job(const Job& job, const JobSteps& steps, LogStore& store, const Report& report, std::stop_token stop) {
     const auto end = [&]() -> WorkerMessage {
         try {
-            if (make_model(job, steps, report, stop)) return JobDone{};
+            if (Attempt(job, steps, store, report, stop).run()) return JobDone{};
             return JobStopped{};
+        } catch (const LeaseLost&) {
+            return JobStopped{};  // somebody else makes the model now
+        } catch (const DiskFull& error) {
+            return JobFailed{.error = error.what(), .cause = FailureCause::no_room};
         } catch (const IoError& error) {
-            return JobFailed{.error = error.what(), .retry = true};
+            return JobFailed{.error = error.what(), .cause = FailureCause::machine};
         } catch (const std::bad_alloc&) {
             return JobFailed{.error = "the reconstruction needs more memory than a worker may use"};
         } catch (const std::exception& error) {

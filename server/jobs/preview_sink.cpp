@@ -7,7 +7,7 @@
 
 namespace anyrate {
 
-PreviewSink::PreviewSink(std::uint64_t log_id, LiveLogFile& file,
+PreviewSink::PreviewSink(std::uint64_t log_id, LogAppender& file,
                          std::function<void(std::uint32_t n_vertices, std::uint64_t n_bytes)> on_complete)
     : log_id_(log_id),
       file_(file),

@@ -5,7 +5,7 @@
 
 #include "core/progressive/model_sink.h"
 #include "proto/log_writer.h"
-#include "server/store/live_log_file.h"
+#include "server/store/log_store.h"
 
 namespace anyrate {
 
@@ -15,7 +15,7 @@ class PreviewSink final : public ModelSink {
 public:
     /// @param file         still empty; must outlive it
     /// @param on_complete  told the vertices and bytes of the log, once its base and colours are there
-    PreviewSink(std::uint64_t log_id, LiveLogFile& file,
+    PreviewSink(std::uint64_t log_id, LogAppender& file,
                 std::function<void(std::uint32_t n_vertices, std::uint64_t n_bytes)> on_complete);
 
     BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override;
@@ -27,7 +27,7 @@ public:
 
 private:
     std::uint64_t log_id_;
-    LiveLogFile& file_;
+    LogAppender& file_;
     std::function<void(std::uint32_t, std::uint64_t)> on_complete_;
     LogWriter writer_;
 };

@@ -18,7 +18,7 @@ using std::chrono::steady_clock;
 
 Timestamp now() { return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now()); }
 
-constexpr const char* recovered_error = "the server stopped in the middle of every attempt at this model";
+constexpr const char* recovered_error = "the server stopped, or lost its worker, in every attempt at this model";
 
 }  // namespace
 
@@ -38,7 +38,7 @@ public:
         if (!start()) return;
         read_messages();
         const std::string how = worker_->wait(std::chrono::seconds(2));
-        settle(how);
+        if (holds_lease_) settle(how);
         scheduler_.events_.notify(model_.id);
     }
 
@@ -49,7 +49,7 @@ private:
         const std::vector<std::string> command = scheduler_.command_(model_);
         const std::lock_guard lock(scheduler_.mutex_);
         const auto record = scheduler_.catalog_.find(model_.id);
-        if (!record || record->state != ModelState::running) return false;
+        if (!record || record->state != ModelState::running || record->epoch != lease_.epoch) return false;
         worker_.emplace(command);
         scheduler_.running_[model_.id] = worker_->pid();
         return true;
@@ -62,6 +62,8 @@ private:
             if (read == WorkerProcess::Read::end) return;
             if (read == WorkerProcess::Read::line) take(line);
             enforce_limits();
+            renew_lease();
+            if (!holds_lease_) worker_->signal(SIGKILL);
         }
     }
 
@@ -71,13 +73,40 @@ private:
             scheduler_.events_.notify(model_.id);
         } catch (const DecodeError& error) {
             scheduler_.log_("model " + model_.id + ": " + error.what());
+        } catch (const IoError& error) {
+            // The log has what the catalog misses; the job itself goes on.
+            if (!std::exchange(has_complained_, true)) scheduler_.log_("model " + model_.id + ": " + error.what());
         }
     }
-    void apply(const JobProgress& progress) { scheduler_.catalog_.report(model_.id, progress, now()); }
-    void apply(const RatePoint& point) { scheduler_.catalog_.add_rate_point(model_.id, point); }
+    void apply(const JobBegun& begun) { keep(scheduler_.catalog_.begin(lease_, begun.n_bytes, now())); }
+    void apply(const JobProgress& progress) {
+        if (progress.stage != stage_) end_stage(progress.stage);
+        keep(scheduler_.catalog_.report(lease_, progress, now()));
+    }
+    void apply(const RatePoint& point) { keep(scheduler_.catalog_.add_rate_point(lease_, point)); }
     void apply(const JobFailed& failed) { failed_ = failed; }
     void apply(const JobDone&) { done_ = true; }
     void apply(const JobStopped&) {}
+
+    void end_stage(const std::string& next) {
+        const std::chrono::duration<double> taken = steady_clock::now() - stage_begun_;
+        if (!stage_.empty() && scheduler_.options_.on_stage) scheduler_.options_.on_stage(stage_, taken.count());
+        stage_ = next;
+        stage_begun_ = steady_clock::now();
+    }
+
+    void keep(bool holds_lease) { holds_lease_ = holds_lease_ && holds_lease; }
+
+    void renew_lease() {
+        const auto time = steady_clock::now();
+        if (time - renewed_ < scheduler_.options_.lease / 3) return;
+        try {
+            keep(scheduler_.catalog_.renew(lease_, now() + scheduler_.options_.lease));
+            renewed_ = time;
+        } catch (const IoError&) {  // it is tried again, as long as the lease lasts
+            if (time - renewed_ > scheduler_.options_.lease) keep(false);
+        }
+    }
 
     void enforce_limits() {
         const auto time = steady_clock::now();
@@ -95,23 +124,30 @@ private:
     void settle(const std::string& how) {
         Catalog& catalog = scheduler_.catalog_;
         if (done_) {
-            catalog.finish(model_.id, ModelState::done, "", now());
+            end_stage("");
+            catalog.finish(lease_, ModelState::done, "", now());
             scheduler_.log_("model " + model_.id + ": done");
-        } else if (failed_ && !failed_->retry) {
-            catalog.finish(model_.id, ModelState::failed, failed_->error, now());
+        } else if (failed_ && failed_->cause == FailureCause::capture) {
+            catalog.finish(lease_, ModelState::failed, failed_->error, now());
             scheduler_.log_("model " + model_.id + ": failed: " + failed_->error);
         } else if (scheduler_.is_stopping()) {
-            catalog.give_back(model_.id, now());
+            catalog.give_back(lease_, now());
         } else {
             const std::string error = failed_ ? failed_->error : "the worker process ended with " + how;
-            catalog.retry(model_.id, scheduler_.options_.max_attempts, error, now());
+            catalog.retry(lease_, scheduler_.retry_rule(failed_ ? failed_->cause : FailureCause::machine), error,
+                          now());
             scheduler_.log_("model " + model_.id + ": attempt " + std::to_string(model_.attempts) + ": " + error);
         }
     }
 
     Scheduler& scheduler_;
     const ModelRecord& model_;
+    const Lease lease_ = lease_of(model_);
     std::optional<WorkerProcess> worker_;
+    std::string stage_;
+    steady_clock::time_point stage_begun_ = steady_clock::now();
+    bool holds_lease_ = true, has_complained_ = false;
+    steady_clock::time_point renewed_ = steady_clock::now();
     steady_clock::time_point begun_ = steady_clock::now();
     std::optional<steady_clock::time_point> kill_at_;
     std::optional<JobFailed> failed_;
@@ -121,7 +157,10 @@ private:
 Scheduler::Scheduler(Catalog& catalog, ModelEvents& events, WorkerCommand command, SchedulerOptions options,
                      LogLine log)
     : catalog_(catalog), events_(events), command_(std::move(command)), options_(options), log_(std::move(log)) {
-    const int n_recovered = catalog_.recover(options_.max_attempts, recovered_error, now());
+    RetryRule at_once = retry_rule(FailureCause::machine);
+    at_once.max_fruitless = options_.max_restarts;
+    at_once.not_before = now();
+    const int n_recovered = catalog_.recover(Timestamp::max(), at_once, recovered_error, now());
     if (n_recovered > 0) log_(std::to_string(n_recovered) + " interrupted models found");
     for (int i = 0; i < options_.n_workers; ++i) slots_.emplace_back([this] { run_slot(); });
 }
@@ -167,7 +206,8 @@ void Scheduler::run_slot() {
             seen = n_wakes_;
         }
         try {
-            if (const auto model = catalog_.claim_next(now())) {
+            recover_expired();
+            if (const auto model = catalog_.claim_next(now(), now() + options_.lease)) {
                 run_attempt(*model);
                 continue;
             }
@@ -186,10 +226,24 @@ void Scheduler::run_attempt(const ModelRecord& model) {
     try {
         Attempt(*this, model).run();
     } catch (const IoError& error) {
-        catalog_.retry(model.id, options_.max_attempts, error.what(), now());
+        // The worker could not be started, or its end not be written down; in the second case this fails as well, and
+        // the lease will run out.
+        catalog_.retry(lease_of(model), retry_rule(FailureCause::machine), error.what(), now());
         events_.notify(model.id);
         throw;
     }
+}
+
+void Scheduler::recover_expired() {
+    const int n_recovered = catalog_.recover(now(), retry_rule(FailureCause::machine), recovered_error, now());
+    if (n_recovered > 0) log_(std::to_string(n_recovered) + " models taken up again whose leases had run out");
+}
+
+RetryRule Scheduler::retry_rule(FailureCause cause) const {
+    const bool is_counted = cause != FailureCause::no_room;
+    return {.max_fruitless = options_.max_attempts,
+            .is_counted = is_counted,
+            .not_before = now() + (is_counted ? options_.retry_delay : options_.room_delay)};
 }
 
 }  // namespace anyrate

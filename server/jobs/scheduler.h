@@ -12,15 +12,22 @@
 #include <vector>
 
 #include "server/jobs/model_events.h"
+#include "server/jobs/worker_message.h"
 #include "server/store/catalog.h"
 
 namespace anyrate {
 
 struct SchedulerOptions {
     int n_workers = 1;     ///< jobs at a time
-    int max_attempts = 3;  ///< of a job whose worker dies or whose machine fails
+    int max_attempts = 3;  ///< in a row that get a job no further because its worker dies or its machine fails
+    int max_restarts = 20;  ///< likewise, because the server dies: seldom a job's fault
     std::chrono::milliseconds stop_patience = std::chrono::seconds(5);  ///< for a worker that was told to stop
     std::chrono::milliseconds job_limit = std::chrono::hours(6);        ///< after this a worker is killed
+    std::chrono::milliseconds retry_delay = std::chrono::seconds(1);    ///< before a job that failed is tried again
+    std::chrono::milliseconds room_delay = std::chrono::seconds(10);    ///< before one that found the disk full is
+    std::chrono::milliseconds lease = std::chrono::seconds(30);         ///< renewed three times as often
+    /// Told when a stage of a job has ended, and how many seconds it took; called from several threads.
+    std::function<void(const std::string& stage, double seconds)> on_stage = {};
 };
 
 /// The command that starts a worker for a claimed model.
@@ -28,11 +35,14 @@ using WorkerCommand = std::function<std::vector<std::string>(const ModelRecord& 
 /// Takes one line of news for the operator.
 using LogLine = std::function<void(const std::string&)>;
 
-/// Runs queued models, each attempt in a worker process of its own, and keeps the catalog true: progress, the end, a
-/// retry if the worker died. Threads of its own, one a worker; safe to call from several threads.
+/// Runs queued models, each attempt under a lease and in a worker process of its own, and keeps the catalog true:
+/// progress, the end, a retry if the worker died. A catalog that fails for a while costs no job: what could not be
+/// written is written when the lease has run out and the job is taken up again. Threads of its own, one a worker; safe
+/// to call from several threads.
 class Scheduler {
 public:
-    /// Requeues what a dead server left running, then starts. `catalog` and `events` must outlive it.
+    /// Requeues what a dead server left running, then starts: nobody else may work on the catalog. `catalog` and
+    /// `events` must outlive it.
     Scheduler(Catalog& catalog, ModelEvents& events, WorkerCommand command, SchedulerOptions options, LogLine log);
     /// stop()
     ~Scheduler();
@@ -50,6 +60,8 @@ private:
 
     void run_slot();
     void run_attempt(const ModelRecord& model);
+    void recover_expired();
+    RetryRule retry_rule(FailureCause cause) const;
     bool is_stopping() const;
 
     Catalog& catalog_;

@@ -38,6 +38,11 @@ void apply_worker_limits(const WorkerLimits& limits) {
     ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     limit(RLIMIT_CORE, 0, "core files");
     if (limits.memory_bytes != 0 && can_limit_memory) limit(RLIMIT_DATA, limits.memory_bytes, "memory");
+    if (limits.file_bytes != 0) {
+        ::signal(SIGXFSZ, SIG_IGN);  // the write fails instead, and says why
+        limit(RLIMIT_FSIZE, limits.file_bytes, "files");
+    }
+    if (limits.open_files != 0) limit(RLIMIT_NOFILE, static_cast<rlim_t>(limits.open_files), "open files");
     ::setpriority(PRIO_PROCESS, 0, 5);
 }
 

@@ -1,5 +1,7 @@
 #include "server/jobs/worker_message.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -16,6 +18,7 @@ json to_json(const JobProgress& progress) {
                    {"vertices", progress.n_vertices},
                    {"bytes", progress.n_bytes}};
     if (progress.psi) object["psi"] = *progress.psi;
+    if (progress.seconds_left) object["left"] = *progress.seconds_left;
     return object;
 }
 
@@ -27,7 +30,20 @@ json to_json(const RatePoint& point) {
             {"seconds", point.seconds}};
 }
 
-json to_json(const JobFailed& failed) { return {{"type", "failed"}, {"error", failed.error}, {"retry", failed.retry}}; }
+json to_json(const JobBegun& begun) { return {{"type", "begun"}, {"bytes", begun.n_bytes}}; }
+
+constexpr std::array<const char*, 3> cause_names = {"capture", "machine", "no room"};
+
+json to_json(const JobFailed& failed) {
+    return {
+        {"type", "failed"}, {"error", failed.error}, {"cause", cause_names[static_cast<std::size_t>(failed.cause)]}};
+}
+
+FailureCause cause_from(const std::string& name) {
+    const auto found = std::ranges::find(cause_names, name);
+    if (found == cause_names.end()) throw DecodeError("worker message: unknown cause \"" + name + "\"");
+    return static_cast<FailureCause>(found - cause_names.begin());
+}
 
 json to_json(const JobDone&) { return {{"type", "done"}}; }
 
@@ -38,8 +54,10 @@ JobProgress progress_from(const json& object) {
                          .fraction = object.at("fraction"),
                          .n_vertices = object.at("vertices"),
                          .n_bytes = object.at("bytes"),
-                         .psi = std::nullopt};
+                         .psi = std::nullopt,
+                         .seconds_left = std::nullopt};
     if (object.contains("psi")) progress.psi = object.at("psi").get<double>();
+    if (object.contains("left")) progress.seconds_left = object.at("left").get<double>();
     return progress;
 }
 
@@ -51,7 +69,8 @@ WorkerMessage from_json(const json& object) {
                          .n_bytes = object.at("bytes"),
                          .psi = object.at("psi"),
                          .seconds = object.at("seconds")};
-    if (type == "failed") return JobFailed{.error = object.at("error"), .retry = object.at("retry")};
+    if (type == "begun") return JobBegun{object.at("bytes")};
+    if (type == "failed") return JobFailed{.error = object.at("error"), .cause = cause_from(object.at("cause"))};
     if (type == "done") return JobDone{};
     if (type == "stopped") return JobStopped{};
     throw DecodeError("worker message of unknown type \"" + type + "\"");

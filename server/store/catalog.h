@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,10 +24,11 @@ struct ModelOptions {
 /// How far a job is; what a worker reports.
 struct JobProgress {
     std::string stage;
-    double fraction = 0;             ///< of the stage, 0..1
-    std::uint32_t n_vertices = 0;    ///< that are in the durable log
-    std::uint64_t n_bytes = 0;       ///< of the durable log
-    std::optional<double> psi = {};  ///< Eq. 10, squared 8-bit colour units
+    double fraction = 0;                      ///< of the stage, 0..1
+    std::uint32_t n_vertices = 0;             ///< that are in the durable log
+    std::uint64_t n_bytes = 0;                ///< of the durable log
+    std::optional<double> psi = {};           ///< Eq. 10, squared 8-bit colour units
+    std::optional<double> seconds_left = {};  ///< of the whole job, an estimate
     friend bool operator==(const JobProgress&, const JobProgress&) = default;
 };
 
@@ -35,7 +37,7 @@ struct RatePoint {
     std::uint32_t n_vertices = 0;
     std::uint64_t n_bytes = 0;  ///< of the live log up to there
     double psi = 0;
-    double seconds = 0;  ///< since the attempt began
+    double seconds = 0;  ///< that workers have spent on it up to there, whatever was lost with one not counted
     friend bool operator==(const RatePoint&, const RatePoint&) = default;
 };
 
@@ -48,6 +50,22 @@ struct ModelRecord {
     std::string error;  ///< the sentence of a failed model
     int attempts = 0;   ///< begun so far
     Timestamp created{}, updated{};
+    std::uint64_t epoch = 0;  ///< of the latest lease; 0 before the first
+};
+
+/// The right to run one attempt at a model. It ends when it is not renewed in time, and when the model is cancelled or
+/// removed; from then on its holder changes nothing in the catalog, nor in the log (LogStore::take).
+struct Lease {
+    std::string id;
+    std::uint64_t epoch = 0;  ///< grows from lease to lease of a model
+};
+inline Lease lease_of(const ModelRecord& claimed) { return {claimed.id, claimed.epoch}; }
+
+/// How a model that failed without its own fault is tried again.
+struct RetryRule {
+    int max_fruitless = 3;   ///< attempts in a row that took the curve no further than it has been; then it fails
+    bool is_counted = true;  ///< whether this attempt may be one of them
+    Timestamp not_before{};  ///< of the next attempt
 };
 
 struct NewModel {
@@ -85,21 +103,33 @@ public:
     /// Forgets a model in any state. @return whether it was there
     virtual bool remove(const std::string& id) = 0;
 
-    /// Takes the oldest queued model for one attempt: it is running, has one attempt more, and neither progress nor
-    /// curve.
-    virtual std::optional<ModelRecord> claim_next(Timestamp now) = 0;
-    /// The three calls of a running attempt change nothing if the model is not running (it was cancelled or removed).
-    virtual void report(const std::string& id, const JobProgress& progress, Timestamp now) = 0;
-    virtual void add_rate_point(const std::string& id, const RatePoint& point) = 0;
-    /// @param error  the sentence if the state is failed
-    virtual void finish(const std::string& id, ModelState state, const std::string& error, Timestamp now) = 0;
+    /// Withdraws a model that is queued or running. @return whether it was
+    virtual bool cancel(const std::string& id, Timestamp now) = 0;
+    /// How many models are in each state that any is in.
+    virtual std::map<ModelState, std::size_t> counts() = 0;
+    /// Final models that have not changed since `before`, the oldest first.
+    virtual std::vector<ModelRecord> final_before(Timestamp before) = 0;
 
-    /// Puts a running model back in the queue; with `max_attempts` behind it, it fails with `error` instead.
-    virtual void retry(const std::string& id, int max_attempts, const std::string& error, Timestamp now) = 0;
-    /// Puts a running model back in the queue as if the attempt had not been made (the server stops).
-    virtual void give_back(const std::string& id, Timestamp now) = 0;
-    /// Running models that a dead server left behind: retry() for each. @return how many
-    virtual int recover(int max_attempts, const std::string& error, Timestamp now) = 0;
+    /// Takes the oldest queued model whose time has come for one attempt, under a new lease: it is running and has one
+    /// attempt more. Its curve stays, for the attempt may go on with the log.
+    virtual std::optional<ModelRecord> claim_next(Timestamp now, Timestamp lease_until = Timestamp::max()) = 0;
+
+    // The calls of a running attempt. @return false, and nothing changes, if the lease is over
+    virtual bool renew(const Lease& lease, Timestamp lease_until) = 0;
+    /// The attempt goes on behind the first `n_bytes` of the log, 0 for anew: later points of the curve are forgotten.
+    virtual bool begin(const Lease& lease, std::uint64_t n_bytes, Timestamp now) = 0;
+    virtual bool report(const Lease& lease, const JobProgress& progress, Timestamp now) = 0;
+    virtual bool add_rate_point(const Lease& lease, const RatePoint& point) = 0;
+    /// @param error  the sentence if the state is failed
+    virtual bool finish(const Lease& lease, ModelState state, const std::string& error, Timestamp now) = 0;
+    /// Puts the model back in the queue; when the rule allows no more, it fails with `error` instead.
+    virtual bool retry(const Lease& lease, const RetryRule& rule, const std::string& error, Timestamp now) = 0;
+    /// Puts the model back in the queue as if the attempt had not been made (the server stops).
+    virtual bool give_back(const Lease& lease, Timestamp now) = 0;
+
+    /// Running models whose lease ends at `end` or before, because whoever held it is gone: retry() for each. @return how
+    /// many
+    virtual int recover(Timestamp end, const RetryRule& rule, const std::string& error, Timestamp now) = 0;
 };
 
 }  // namespace anyrate

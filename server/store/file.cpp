@@ -14,7 +14,11 @@
 namespace anyrate {
 namespace {
 
-[[noreturn]] void fail(const std::string& what, int error) { throw IoError(what + ": " + std::strerror(error)); }
+[[noreturn]] void fail(const std::string& what, int error) {
+    const std::string sentence = what + ": " + std::strerror(error);
+    if (error == ENOSPC || error == EDQUOT) throw DiskFull(sentence);
+    throw IoError(sentence);
+}
 
 FileHandle open_for_reading(const std::filesystem::path& file) {
     return FileHandle(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
@@ -79,6 +83,20 @@ void write_all(const FileHandle& file, std::span<const std::byte> bytes) {
         if (put < 0) fail("cannot write a file", errno);
         bytes = bytes.subspan(static_cast<std::size_t>(put));
     }
+}
+
+void write_at(const FileHandle& file, std::uint64_t offset, std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t put = ::pwrite(file.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (put < 0 && errno == EINTR) continue;
+        if (put < 0) fail("cannot write a file", errno);
+        bytes = bytes.subspan(static_cast<std::size_t>(put));
+        offset += static_cast<std::uint64_t>(put);
+    }
+}
+
+void remove_file(const std::filesystem::path& file) {
+    if (::unlink(file.c_str()) != 0 && errno != ENOENT) fail("cannot remove " + file.string(), errno);
 }
 
 void sync_file(const FileHandle& file) {

@@ -43,6 +43,12 @@ std::vector<std::byte> read_file(const std::filesystem::path& file);
 /// All of `bytes` at the current position. @throws IoError
 void write_all(const FileHandle& file, std::span<const std::byte> bytes);
 
+/// All of `bytes` at an offset. @throws IoError
+void write_at(const FileHandle& file, std::uint64_t offset, std::span<const std::byte> bytes);
+
+/// Removes a file; one that is not there is no error. @throws IoError
+void remove_file(const std::filesystem::path& file);
+
 /// Waits until the file's bytes are on the disk. @throws IoError
 void sync_file(const FileHandle& file);
 

@@ -1,34 +1,47 @@
 #pragma once
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <span>
+#include <optional>
 
-#include "proto/index.h"
 #include "server/store/file.h"
+#include "server/store/lease_file.h"
+#include "server/store/log_store.h"
 
 namespace anyrate {
 
-/// A live log on disk and its side index `<live>.idx`. Every append is whole frames and is durable when it returns; the
-/// index is replaced atomically, so that a reader always sees rows of frames that are there.
-class LiveLogFile {
-public:
-    /// Creates `live`, or empties it. @throws IoError
-    explicit LiveLogFile(std::filesystem::path live);
-    ~LiveLogFile();
-    LiveLogFile(const LiveLogFile&) = delete;
-    LiveLogFile& operator=(const LiveLogFile&) = delete;
+/// Where the files of one log stand.
+struct LogPaths {
+    std::filesystem::path live;    ///< beside it its side index `<live>.idx` and its notes `<live>.<name>`
+    std::filesystem::path sealed;  ///< empty: the log will not be sealed
+};
 
-    void begin_anew();  ///< Forgets all frames and rows; who reads them keeps their files. @throws IoError
-    void append(std::span<const std::byte> frames);                            ///< @throws IoError
-    void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows);  ///< @throws IoError
-    /// Writes the sealed form (seal_log) to `sealed` atomically. The live files stay: clients that follow them count
-    /// their frames, and the sealed form has others. @throws IoError
-    void seal(const std::filesystem::path& sealed, std::span<const IndexRow> rows);
+/// A live log on disk and its side index. The index is replaced atomically, so that a reader always sees rows of frames
+/// that are there.
+class LiveLogFile final : public LogAppender {
+public:
+    /// Opens the log, or makes an empty one. @param lease  nullopt: nobody else writes it @throws IoError
+    LiveLogFile(LogPaths paths, std::optional<LeaseFile> lease);
+    ~LiveLogFile() override;
+
+    std::vector<std::byte> read() const override;
+    std::optional<SideIndex> read_index() const override;
+    void begin_anew() override;
+    void cut(std::uint64_t n_bytes) override;
+    void append(std::span<const std::byte> frames) override;
+    void publish_index(std::uint64_t log_id, std::span<const IndexRow> rows) override;
+    void seal(std::span<const IndexRow> rows) override;
+    void keep_note(const std::string& name, std::span<const std::byte> bytes) override;
+    std::optional<std::vector<std::byte>> note(const std::string& name) const override;
+    void drop_note(const std::string& name) override;
 
 private:
-    std::filesystem::path path_;
+    void guarded(const std::function<void()>& work) const;
+    std::filesystem::path note_file(const std::string& name) const;
+    void shorten(std::uint64_t n_bytes);
+
+    LogPaths paths_;
+    std::optional<LeaseFile> lease_;
     FileHandle file_;
+    std::uint64_t n_bytes_ = 0;
 };
 
 /// `<live>.idx`

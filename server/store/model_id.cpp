@@ -35,11 +35,11 @@ bool is_model_id(std::string_view text) {
            std::all_of(text.begin(), text.end(), [](char c) { return alphabet.find(c) != std::string_view::npos; });
 }
 
-std::uint64_t log_id_of_attempt(std::string_view model_id, int attempt) {
+std::uint64_t log_id_of(std::string_view model_id, std::uint64_t generation) {
     std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, 64 bits
     const auto mix = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3u; };
     for (const char c : model_id) mix(static_cast<std::uint8_t>(c));
-    mix(static_cast<std::uint8_t>(attempt));
+    for (int shift = 0; shift < 64; shift += 8) mix(static_cast<std::uint8_t>(generation >> shift));
     return hash;
 }
 

@@ -12,8 +12,9 @@ std::string new_model_id();
 /// Whether somebody's text is shaped like a model id. Only such texts ever become part of a path.
 bool is_model_id(std::string_view text);
 
-/// The log id of one attempt at a model: equal for equal arguments, different for two attempts at a model, so that a
-/// client can tell a log that was begun anew from one that goes on.
-std::uint64_t log_id_of_attempt(std::string_view model_id, int attempt);
+/// The id of a model's log: equal for equal arguments. The same for every attempt that goes on with the log; another
+/// for one that begins it anew with other bytes, so that a client can tell.
+/// @param generation  1 at first
+std::uint64_t log_id_of(std::string_view model_id, std::uint64_t generation);
 
 }  // namespace anyrate

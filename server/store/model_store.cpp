@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/store/directory_blob_store.h"
 #include "server/store/model_id.h"
 
 namespace anyrate {
@@ -29,6 +30,7 @@ auto io(const Work& work) {
     try {
         return work();
     } catch (const fs::filesystem_error& error) {
+        if (error.code() == std::errc::no_space_on_device) throw DiskFull(error.what());
         throw IoError(error.what());
     }
 }
@@ -46,7 +48,7 @@ ModelPaths model_paths(const fs::path& data, const std::string& id) {
             .capture = folder / "capture.zip",
             .live_log = folder / "log.live",
             .sealed_log = folder / "model.arl",
-            .lock = folder / "lock"};
+            .lease = folder / "lease"};
 }
 
 ModelStore::ModelStore(fs::path data) : data_(std::move(data)) {
@@ -62,13 +64,8 @@ fs::path ModelStore::catalog_file() const { return data_ / "catalog.sqlite"; }
 fs::path ModelStore::upload_file(const std::string& name) const { return data_ / "uploads" / name; }
 
 void ModelStore::adopt_upload(const fs::path& upload, const std::string& id) {
-    const ModelPaths model = paths(id);
-    io([&] {
-        fs::create_directory(model.folder);
-        fs::rename(upload, model.capture);
-    });
-    sync_folder(model.folder);
-    sync_folder(data_ / "models");
+    const fs::path capture = paths(id).capture;
+    DirectoryBlobStore(data_ / "models").adopt(id + "/" + capture.filename().string(), upload);
 }
 
 void ModelStore::remove(const std::string& id) {

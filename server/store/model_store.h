@@ -16,7 +16,7 @@ struct ModelPaths {
     std::filesystem::path capture;     ///< capture.zip, as it was uploaded
     std::filesystem::path live_log;    ///< log.live, beside it log.live.idx: what live clients follow
     std::filesystem::path sealed_log;  ///< model.arl, once the model is done
-    std::filesystem::path lock;        ///< held by the worker that writes
+    std::filesystem::path lease;       ///< the latest lease on the log
 };
 
 /// @throws InputError if `id` is not shaped like a model id

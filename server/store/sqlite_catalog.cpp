@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <array>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -11,7 +12,7 @@
 namespace anyrate {
 namespace {
 
-constexpr int format_version = 1;  // of the data directory; kept in SQLite's user_version
+constexpr int format_version = 2;  // of the data directory; kept in SQLite's user_version
 
 constexpr const char* schema = R"sql(
     CREATE TABLE model (
@@ -40,8 +41,27 @@ constexpr const char* schema = R"sql(
     CREATE INDEX rate_point_by_model ON rate_point (model);
 )sql";
 
+/// Format 2 has leases.
+constexpr const char* leases = R"sql(
+    ALTER TABLE model ADD COLUMN epoch INTEGER NOT NULL DEFAULT 0;        -- of the latest lease
+    ALTER TABLE model ADD COLUMN lease_until INTEGER NOT NULL DEFAULT 0;  -- milliseconds since 1970
+    ALTER TABLE model ADD COLUMN fruitless INTEGER NOT NULL DEFAULT 0;    -- attempts since the curve last grew
+    ALTER TABLE model ADD COLUMN reached INTEGER NOT NULL DEFAULT 0;      -- bytes, the most that the curve ever had
+    ALTER TABLE model ADD COLUMN not_before INTEGER NOT NULL DEFAULT 0;   -- of the next attempt
+    ALTER TABLE model ADD COLUMN seconds_left REAL;
+)sql";
+
+/// What each format adds to the one before.
+constexpr std::array<const char*, format_version> steps = {schema, leases};
+
 constexpr const char* record_columns =
-    "id, state, options, stage, fraction, vertices, bytes, psi, error, attempts, created, updated";
+    "id, state, options, stage, fraction, vertices, bytes, psi, error, attempts, created, updated, epoch, seconds_left";
+
+/// What ends an attempt that is to be tried again; ?1 the limit, ?2 what it counts, ?3 the sentence, ?4 not before, ?5
+/// now.
+constexpr const char* set_retried =
+    "UPDATE model SET fruitless = fruitless + ?2, state = iif(fruitless + ?2 < ?1, 'queued', 'failed'), "
+    "error = iif(fruitless + ?2 < ?1, '', ?3), not_before = ?4, updated = ?5, seconds_left = NULL ";
 
 std::int64_t to_number(Timestamp time) { return time.time_since_epoch().count(); }
 
@@ -58,6 +78,12 @@ std::string options_to_json(const ModelOptions& options) {
 ModelOptions options_from_json(const std::string& text) {
     const auto json = nlohmann::json::parse(text);
     return {.n_vertices = json.at("vertices"), .n_coarse = json.at("coarse")};
+}
+
+[[noreturn]] void fail(sqlite3* database) {
+    const std::string sentence = std::string("catalog: ") + sqlite3_errmsg(database);
+    if (sqlite3_errcode(database) == SQLITE_FULL) throw DiskFull(sentence);
+    throw IoError(sentence);
 }
 
 /// One prepared statement with its values bound, stepped row by row.
@@ -109,7 +135,7 @@ private:
         check(sqlite3_bind_text(statement_, position, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT));
     }
     void check(int code) const {
-        if (code != SQLITE_OK) throw IoError(std::string("catalog: ") + sqlite3_errmsg(database_));
+        if (code != SQLITE_OK) fail(database_);
     }
 
     sqlite3* database_;
@@ -125,11 +151,13 @@ ModelRecord read_record(Statement& row) {
                        .fraction = row.real(4),
                        .n_vertices = static_cast<std::uint32_t>(row.integer(5)),
                        .n_bytes = static_cast<std::uint64_t>(row.integer(6)),
-                       .psi = row.is_null(7) ? std::nullopt : std::optional(row.real(7))};
+                       .psi = row.is_null(7) ? std::nullopt : std::optional(row.real(7)),
+                       .seconds_left = row.is_null(13) ? std::nullopt : std::optional(row.real(13))};
     record.error = row.text(8);
     record.attempts = static_cast<int>(row.integer(9));
     record.created = Timestamp(std::chrono::milliseconds(row.integer(10)));
     record.updated = Timestamp(std::chrono::milliseconds(row.integer(11)));
+    record.epoch = static_cast<std::uint64_t>(row.integer(12));
     return record;
 }
 
@@ -146,8 +174,7 @@ struct SqliteCatalog::Database {
         Statement(handle, sql, values...).next();
     }
     void run_script(const char* sql) {
-        if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK)
-            throw IoError(std::string("catalog: ") + sqlite3_errmsg(handle));
+        if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail(handle);
     }
     /// All of `body` happens, or nothing.
     template <class Body>
@@ -163,6 +190,17 @@ struct SqliteCatalog::Database {
         }
     }
     int n_changes() const { return sqlite3_changes(handle); }
+    /// Changes the model of a lease, if that holds: the last two values of the statement are id and epoch.
+    template <class... Values>
+    bool run_leased(const std::string& sql, const Lease& lease, const Values&... values) {
+        run(sql + " WHERE id = ? AND epoch = ? AND state = 'running'", values..., lease.id, lease.epoch);
+        return n_changes() > 0;
+    }
+    bool holds(const Lease& lease) {
+        return Statement(handle, "SELECT 1 FROM model WHERE id = ? AND epoch = ? AND state = 'running'", lease.id,
+                         lease.epoch)
+            .next();
+    }
     std::optional<ModelRecord> find(const std::string& id) {
         Statement row(handle, std::string("SELECT ") + record_columns + " FROM model WHERE id = ?", id);
         return row.next() ? std::optional(read_record(row)) : std::nullopt;
@@ -176,12 +214,12 @@ struct SqliteCatalog::Database {
         if (version > format_version)
             throw InputError(file.string() + ": the data directory has format " + std::to_string(version) +
                              ", this program knows up to " + std::to_string(format_version));
-        if (version == 0)
-            transaction([&] {
-                run_script(schema);
-                run_script(("PRAGMA user_version = " + std::to_string(format_version)).c_str());
-                return true;
-            });
+        if (version == format_version) return;
+        transaction([&] {
+            for (auto step = static_cast<std::size_t>(version); step < steps.size(); ++step) run_script(steps[step]);
+            run_script(("PRAGMA user_version = " + std::to_string(format_version)).c_str());
+            return true;
+        });
     }
 };
 
@@ -259,68 +297,133 @@ bool SqliteCatalog::remove(const std::string& id) {
     return database_->n_changes() > 0;
 }
 
-std::optional<ModelRecord> SqliteCatalog::claim_next(Timestamp now) {
+bool SqliteCatalog::cancel(const std::string& id, Timestamp now) {
+    const std::lock_guard lock(database_->mutex);
+    database_->run(
+        "UPDATE model SET state = 'cancelled', seconds_left = NULL, updated = ? "
+        "WHERE id = ? AND state IN ('queued', 'running')",
+        to_number(now), id);
+    return database_->n_changes() > 0;
+}
+
+std::map<ModelState, std::size_t> SqliteCatalog::counts() {
+    const std::lock_guard lock(database_->mutex);
+    Statement row(database_->handle, "SELECT state, count(*) FROM model GROUP BY state");
+    std::map<ModelState, std::size_t> counts;
+    while (row.next()) counts[state_of(row.text(0))] = static_cast<std::size_t>(row.integer(1));
+    return counts;
+}
+
+std::vector<ModelRecord> SqliteCatalog::final_before(Timestamp before) {
+    const std::lock_guard lock(database_->mutex);
+    Statement row(database_->handle,
+                  std::string("SELECT ") + record_columns +
+                      " FROM model WHERE state NOT IN ('queued', 'running') AND updated < ? ORDER BY updated, number",
+                  to_number(before));
+    std::vector<ModelRecord> models;
+    while (row.next()) models.push_back(read_record(row));
+    return models;
+}
+
+std::optional<ModelRecord> SqliteCatalog::claim_next(Timestamp now, Timestamp lease_until) {
     const std::lock_guard lock(database_->mutex);
     return database_->transaction([&]() -> std::optional<ModelRecord> {
         std::string id;
         {
-            Statement row(database_->handle, "SELECT id FROM model WHERE state = 'queued' ORDER BY number LIMIT 1");
+            Statement row(database_->handle,
+                          "SELECT id FROM model WHERE state = 'queued' AND not_before <= ? ORDER BY number LIMIT 1",
+                          to_number(now));
             if (!row.next()) return std::nullopt;
             id = row.text(0);
         }
-        database_->run("DELETE FROM rate_point WHERE model = (SELECT number FROM model WHERE id = ?)", id);
         database_->run(
-            "UPDATE model SET state = 'running', attempts = attempts + 1, stage = '', fraction = 0, vertices = 0, "
-            "bytes = 0, psi = NULL, error = '', updated = ? WHERE id = ?",
-            to_number(now), id);
+            "UPDATE model SET state = 'running', attempts = attempts + 1, epoch = epoch + 1, lease_until = ?, "
+            "stage = '', fraction = 0, seconds_left = NULL, error = '', updated = ? WHERE id = ?",
+            to_number(lease_until), to_number(now), id);
         return database_->find(id);
     });
 }
 
-void SqliteCatalog::report(const std::string& id, const JobProgress& progress, Timestamp now) {
+bool SqliteCatalog::renew(const Lease& lease, Timestamp lease_until) {
     const std::lock_guard lock(database_->mutex);
-    database_->run(
-        "UPDATE model SET stage = ?, fraction = ?, vertices = ?, bytes = ?, psi = ?, updated = ? "
-        "WHERE id = ? AND state = 'running'",
-        progress.stage, progress.fraction, progress.n_vertices, progress.n_bytes, progress.psi, to_number(now), id);
+    return database_->run_leased("UPDATE model SET lease_until = ?", lease, to_number(lease_until));
 }
 
-void SqliteCatalog::add_rate_point(const std::string& id, const RatePoint& point) {
+bool SqliteCatalog::begin(const Lease& lease, std::uint64_t n_bytes, Timestamp now) {
     const std::lock_guard lock(database_->mutex);
-    database_->run(
-        "INSERT INTO rate_point (model, vertices, bytes, psi, seconds) "
-        "SELECT number, ?, ?, ?, ? FROM model WHERE id = ? AND state = 'running'",
-        point.n_vertices, point.n_bytes, point.psi, point.seconds, id);
+    return database_->transaction([&] {
+        if (!database_->holds(lease)) return false;
+        database_->run("DELETE FROM rate_point WHERE model = (SELECT number FROM model WHERE id = ?) AND bytes > ?",
+                       lease.id, n_bytes);
+        const std::string last = " FROM rate_point WHERE model = model.number ORDER BY bytes DESC LIMIT 1)";
+        database_->run("UPDATE model SET vertices = ifnull((SELECT vertices" + last +
+                           ", 0), bytes = ifnull((SELECT bytes" + last + ", 0), psi = (SELECT psi" + last +
+                           ", updated = ? WHERE id = ?",
+                       to_number(now), lease.id);
+        return true;
+    });
 }
 
-void SqliteCatalog::finish(const std::string& id, ModelState state, const std::string& error, Timestamp now) {
+bool SqliteCatalog::report(const Lease& lease, const JobProgress& progress, Timestamp now) {
     const std::lock_guard lock(database_->mutex);
-    database_->run("UPDATE model SET state = ?, error = ?, updated = ? WHERE id = ? AND state = 'running'",
-                   std::string(state_name(state)), error, to_number(now), id);
+    return database_->run_leased(
+        "UPDATE model SET stage = ?, fraction = ?, vertices = ?, bytes = ?, psi = ?, seconds_left = ?, updated = ?",
+        lease, progress.stage, progress.fraction, progress.n_vertices, progress.n_bytes, progress.psi,
+        progress.seconds_left, to_number(now));
 }
 
-void SqliteCatalog::retry(const std::string& id, int max_attempts, const std::string& error, Timestamp now) {
+bool SqliteCatalog::add_rate_point(const Lease& lease, const RatePoint& point) {
     const std::lock_guard lock(database_->mutex);
-    database_->run(
-        "UPDATE model SET state = iif(attempts < ?1, 'queued', 'failed'), error = iif(attempts < ?1, '', ?2), "
-        "updated = ?3 WHERE id = ?4 AND state = 'running'",
-        max_attempts, error, to_number(now), id);
+    return database_->transaction([&] {
+        if (!database_->run_leased(
+                "UPDATE model SET fruitless = iif(? > reached, 0, fruitless), reached = max(reached, ?)", lease,
+                point.n_bytes, point.n_bytes))
+            return false;
+        database_->run(
+            "INSERT INTO rate_point (model, vertices, bytes, psi, seconds) "
+            "SELECT number, ?, ?, ?, ? FROM model WHERE id = ?",
+            point.n_vertices, point.n_bytes, point.psi, point.seconds, lease.id);
+        return true;
+    });
 }
 
-void SqliteCatalog::give_back(const std::string& id, Timestamp now) {
+bool SqliteCatalog::finish(const Lease& lease, ModelState state, const std::string& error, Timestamp now) {
     const std::lock_guard lock(database_->mutex);
-    database_->run(
-        "UPDATE model SET state = 'queued', attempts = attempts - 1, updated = ? WHERE id = ? AND state = 'running'",
-        to_number(now), id);
+    return database_->run_leased("UPDATE model SET state = ?, error = ?, seconds_left = NULL, updated = ?", lease,
+                                 std::string(state_name(state)), error, to_number(now));
 }
 
-int SqliteCatalog::recover(int max_attempts, const std::string& error, Timestamp now) {
+bool SqliteCatalog::retry(const Lease& lease, const RetryRule& rule, const std::string& error, Timestamp now) {
     const std::lock_guard lock(database_->mutex);
-    database_->run(
-        "UPDATE model SET state = iif(attempts < ?1, 'queued', 'failed'), error = iif(attempts < ?1, '', ?2), "
-        "updated = ?3 WHERE state = 'running'",
-        max_attempts, error, to_number(now));
+    database_->run(std::string(set_retried) + "WHERE id = ?6 AND epoch = ?7 AND state = 'running'", rule.max_fruitless,
+                   rule.is_counted ? 1 : 0, error, to_number(rule.not_before), to_number(now), lease.id, lease.epoch);
+    return database_->n_changes() > 0;
+}
+
+bool SqliteCatalog::give_back(const Lease& lease, Timestamp now) {
+    const std::lock_guard lock(database_->mutex);
+    return database_->run_leased(
+        "UPDATE model SET state = 'queued', attempts = attempts - 1, seconds_left = NULL, updated = ?", lease,
+        to_number(now));
+}
+
+int SqliteCatalog::recover(Timestamp end, const RetryRule& rule, const std::string& error, Timestamp now) {
+    const std::lock_guard lock(database_->mutex);
+    database_->run(std::string(set_retried) + "WHERE state = 'running' AND lease_until <= ?6", rule.max_fruitless,
+                   rule.is_counted ? 1 : 0, error, to_number(rule.not_before), to_number(now), to_number(end));
     return database_->n_changes();
+}
+
+void SqliteCatalog::back_up(const std::filesystem::path& file) {
+    Database copy;
+    if (sqlite3_open(file.c_str(), &copy.handle) != SQLITE_OK)
+        throw IoError("cannot make " + file.string() + ": " + sqlite3_errmsg(copy.handle));
+    const std::lock_guard lock(database_->mutex);
+    sqlite3_backup* backup = sqlite3_backup_init(copy.handle, "main", database_->handle, "main");
+    if (!backup) fail(copy.handle);
+    const int copied = sqlite3_backup_step(backup, -1);
+    const int finished = sqlite3_backup_finish(backup);
+    if (copied != SQLITE_DONE || finished != SQLITE_OK) fail(copy.handle);
 }
 
 }  // namespace anyrate

@@ -19,13 +19,21 @@ public:
     ModelPage list(std::size_t limit, const std::string& after) override;
     std::vector<RatePoint> curve(const std::string& id) override;
     bool remove(const std::string& id) override;
-    std::optional<ModelRecord> claim_next(Timestamp now) override;
-    void report(const std::string& id, const JobProgress& progress, Timestamp now) override;
-    void add_rate_point(const std::string& id, const RatePoint& point) override;
-    void finish(const std::string& id, ModelState state, const std::string& error, Timestamp now) override;
-    void retry(const std::string& id, int max_attempts, const std::string& error, Timestamp now) override;
-    void give_back(const std::string& id, Timestamp now) override;
-    int recover(int max_attempts, const std::string& error, Timestamp now) override;
+    bool cancel(const std::string& id, Timestamp now) override;
+    std::map<ModelState, std::size_t> counts() override;
+    std::vector<ModelRecord> final_before(Timestamp before) override;
+    std::optional<ModelRecord> claim_next(Timestamp now, Timestamp lease_until = Timestamp::max()) override;
+    bool renew(const Lease& lease, Timestamp lease_until) override;
+    bool begin(const Lease& lease, std::uint64_t n_bytes, Timestamp now) override;
+    bool report(const Lease& lease, const JobProgress& progress, Timestamp now) override;
+    bool add_rate_point(const Lease& lease, const RatePoint& point) override;
+    bool finish(const Lease& lease, ModelState state, const std::string& error, Timestamp now) override;
+    bool retry(const Lease& lease, const RetryRule& rule, const std::string& error, Timestamp now) override;
+    bool give_back(const Lease& lease, Timestamp now) override;
+    int recover(Timestamp end, const RetryRule& rule, const std::string& error, Timestamp now) override;
+
+    /// Copies the catalog as it stands at one moment to a new file, while others use it. @throws IoError
+    void back_up(const std::filesystem::path& file);
 
 private:
     struct Database;

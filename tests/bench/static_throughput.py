@@ -44,9 +44,17 @@ http {{
 # Ranges of 20 KB that begin at random 1,024 bytes, so that neither server can answer from one prepared response.
 RANGES_LUA = """
 local size = {size}
+local requests = {{}}
+init = function()
+    for i = 1, 1000 do
+        local first = math.random(0, math.floor((size - 20480) / 1024)) * 1024
+        requests[i] = wrk.format("GET", nil, {{ ["Range"] = "bytes=" .. first .. "-" .. (first + 20479) }})
+    end
+end
+local next = 0
 request = function()
-    local first = math.random(0, math.floor((size - 20480) / 1024)) * 1024
-    return wrk.format("GET", nil, {{ ["Range"] = "bytes=" .. first .. "-" .. (first + 20479) }})
+    next = next % 1000 + 1
+    return requests[next]
 end
 """
 
@@ -80,7 +88,7 @@ class Anyrate:
         self.process = subprocess.Popen([build / "anyrate", "serve", "--listen", "127.0.0.1:0", "--data", folder],
                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.base = self.process.stdout.readline().split()[-1]
-        done = subprocess.run([build / "anyrate", "push", capture, "--server", self.base, "--wait", "--vertices", "600"],
+        done = subprocess.run([build / "anyrate", "push", capture, "--server", self.base, "--wait", "--vertices", "3000"],
                               check=True, capture_output=True, text=True)
         self.model = done.stdout.strip()
         self.url = f"{self.base}/v1/models/{self.model}/log"
@@ -102,7 +110,7 @@ def wait_for(url):
 
 
 def requests_per_second(url, options, script=None):
-    command = [options.wrk, "-t1", f"-c{options.connections}", f"-d{options.seconds}s"]
+    command = [options.wrk, f"-t{options.threads}", f"-c{options.connections}", f"-d{options.seconds}s"]
     if script:
         command += ["-s", script]
     said = subprocess.run([*command, url], check=True, capture_output=True, text=True).stdout
@@ -129,6 +137,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=int, default=4, help="of one round")
     parser.add_argument("--connections", type=int, default=64)
+    parser.add_argument("--threads", type=int, default=2, help="of wrk")
     parser.add_argument("--size", type=int, default=400_000, help="bytes of the log")
     parser.add_argument("--open-file-cache", action="store_true", help="let nginx keep the file open")
     parser.add_argument("--nginx", default=shutil.which("nginx") or "/usr/sbin/nginx")

@@ -2,6 +2,7 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -31,6 +32,8 @@ std::string add(Catalog& catalog, int time = 0, const std::string& key = "", con
              at(time))
         .id;
 }
+
+Lease claim(Catalog& catalog, int time = 1) { return lease_of(catalog.claim_next(at(time)).value()); }
 
 }  // namespace
 
@@ -83,53 +86,182 @@ TEST_CASE_TEMPLATE("Catalog: progress and curve belong to the running attempt", 
     Implementation place;
     const auto catalog = place.make();
     const std::string id = add(*catalog);
-    const JobProgress progress{"refine", 0.5, 700, 9000, 12.5};
+    const JobProgress progress{"refine", 0.5, 700, 9000, 12.5, 60.0};
     const RatePoint point{700, 9000, 12.5, 1.25};
-    catalog->report(id, progress, at(1));  // nobody runs it yet
-    catalog->add_rate_point(id, point);
+    CHECK_FALSE(catalog->report({id, 0}, progress, at(1)));  // nobody runs it yet
+    CHECK_FALSE(catalog->add_rate_point({id, 0}, point));
     CHECK(catalog->find(id)->progress == JobProgress{});
     CHECK(catalog->curve(id).empty());
 
-    catalog->claim_next(at(2));
-    catalog->report(id, progress, at(3));
-    catalog->add_rate_point(id, point);
+    const Lease lease = claim(*catalog, 2);
+    CHECK(catalog->report(lease, progress, at(3)));
+    CHECK(catalog->add_rate_point(lease, point));
     CHECK(catalog->find(id)->progress == progress);
     CHECK(catalog->find(id)->updated == at(3));
     CHECK(catalog->curve(id) == std::vector<RatePoint>{point});
+}
 
-    catalog->retry(id, 3, "", at(4));
-    catalog->claim_next(at(5));
-    CHECK(catalog->find(id)->progress == JobProgress{});
+TEST_CASE_TEMPLATE("Catalog: an attempt keeps the curve as far as it goes on with the log", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    const RatePoint first{700, 9000, 12.5, 1.25}, second{900, 12000, 11.5, 2.5};
+    const Lease lease = claim(*catalog);
+    for (const RatePoint& point : {first, second}) catalog->add_rate_point(lease, point);
+    catalog->report(lease, {"refine", 0.9, 900, 12000, 11.5}, at(3));
+    catalog->retry(lease, {}, "", at(4));
+
+    const Lease next = claim(*catalog, 5);
+    CHECK(catalog->curve(id) == std::vector<RatePoint>{first, second});
+    CHECK(catalog->begin(next, 9000, at(6)));
+    CHECK(catalog->curve(id) == std::vector<RatePoint>{first});
+    CHECK(catalog->find(id)->progress == JobProgress{"", 0, 700, 9000, 12.5});
+    CHECK(catalog->begin(next, 0, at(7)));
     CHECK(catalog->curve(id).empty());
+    CHECK(catalog->find(id)->progress == JobProgress{});
+}
+
+TEST_CASE_TEMPLATE("Catalog: who lost the lease changes nothing", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    const Lease lost = claim(*catalog);
+    catalog->retry(lost, {}, "", at(2));
+    const Lease held = claim(*catalog, 3);
+    CHECK(held.epoch > lost.epoch);
+    const ModelRecord before = catalog->find(id).value();
+    CHECK_FALSE(catalog->renew(lost, at(99)));
+    CHECK_FALSE(catalog->begin(lost, 0, at(99)));
+    CHECK_FALSE(catalog->report(lost, {"seal", 1, 5, 5, 5.0}, at(99)));
+    CHECK_FALSE(catalog->add_rate_point(lost, {5, 5, 5, 5}));
+    CHECK_FALSE(catalog->finish(lost, ModelState::done, "", at(99)));
+    CHECK_FALSE(catalog->retry(lost, {}, "late", at(99)));
+    CHECK_FALSE(catalog->give_back(lost, at(99)));
+    const ModelRecord after = catalog->find(id).value();
+    CHECK(after.state == ModelState::running);
+    CHECK(after.progress == before.progress);
+    CHECK(after.updated == before.updated);
+    CHECK(catalog->curve(id).empty());
+    CHECK(catalog->finish(held, ModelState::done, "", at(100)));
+}
+
+TEST_CASE_TEMPLATE("Catalog: a lease that is not renewed in time can be given to another", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    const Lease lease = lease_of(catalog->claim_next(at(0), at(100)).value());
+    CHECK(catalog->recover(at(99), {}, "", at(99)) == 0);
+    CHECK(catalog->renew(lease, at(200)));
+    CHECK(catalog->recover(at(150), {}, "", at(150)) == 0);
+    CHECK(catalog->recover(at(200), {}, "", at(200)) == 1);
+    CHECK(catalog->find(id)->state == ModelState::queued);
+    CHECK_FALSE(catalog->renew(lease, at(300)));
+    CHECK(claim(*catalog, 202).epoch > lease.epoch);
 }
 
 TEST_CASE_TEMPLATE("Catalog: a finished model stays as it is", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();
     const std::string id = add(*catalog);
-    catalog->claim_next(at(1));
-    catalog->finish(id, ModelState::failed, "no cameras", at(2));
-    catalog->finish(id, ModelState::done, "", at(3));
-    catalog->retry(id, 3, "", at(3));
-    CHECK(catalog->recover(3, "", at(4)) == 0);
+    const Lease lease = claim(*catalog);
+    CHECK(catalog->finish(lease, ModelState::failed, "no cameras", at(2)));
+    CHECK_FALSE(catalog->finish(lease, ModelState::done, "", at(3)));
+    CHECK_FALSE(catalog->retry(lease, {}, "", at(3)));
+    CHECK_FALSE(catalog->cancel(id, at(3)));
+    CHECK(catalog->recover(Timestamp::max(), {}, "", at(4)) == 0);
     CHECK(catalog->find(id)->state == ModelState::failed);
     CHECK(catalog->find(id)->error == "no cameras");
+    CHECK(catalog->find(id)->updated == at(2));
 }
 
-TEST_CASE_TEMPLATE("Catalog: attempts are limited, what is given back does not count", Implementation, Sqlite) {
+TEST_CASE_TEMPLATE("Catalog: a cancelled model is given to nobody, and taken from who has it", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string queued = add(*catalog);
+    CHECK(catalog->cancel(queued, at(1)));
+    CHECK_FALSE(catalog->claim_next(at(2)));
+    CHECK(catalog->find(queued)->state == ModelState::cancelled);
+    const std::string running = add(*catalog);
+    const Lease lease = claim(*catalog, 3);
+    CHECK(catalog->cancel(running, at(4)));
+    CHECK_FALSE(catalog->renew(lease, at(100)));
+    CHECK_FALSE(catalog->finish(lease, ModelState::done, "", at(5)));
+    CHECK(catalog->find(running)->state == ModelState::cancelled);
+    CHECK_FALSE(catalog->cancel(new_model_id(), at(6)));
+}
+
+TEST_CASE_TEMPLATE("Catalog: fruitless attempts are limited, what is given back does not count", Implementation,
+                   Sqlite) {
     Implementation place;
     const auto catalog = place.make();
     const std::string id = add(*catalog);
-    catalog->claim_next(at(1));
-    catalog->give_back(id, at(1));
+    const RetryRule twice{.max_fruitless = 2};
+    catalog->give_back(claim(*catalog), at(1));
     CHECK(catalog->find(id)->attempts == 0);
-    catalog->claim_next(at(1));
-    catalog->retry(id, 2, "died", at(1));
+    catalog->retry(claim(*catalog), twice, "died", at(1));
     CHECK(catalog->find(id)->state == ModelState::queued);
-    catalog->claim_next(at(1));
-    CHECK(catalog->recover(2, "died", at(1)) == 1);
+    claim(*catalog);
+    CHECK(catalog->recover(Timestamp::max(), twice, "died", at(1)) == 1);
     CHECK(catalog->find(id)->state == ModelState::failed);
     CHECK(catalog->find(id)->error == "died");
+}
+
+TEST_CASE_TEMPLATE("Catalog: an attempt that took the curve further is not fruitless, one that came as far is",
+                   Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    const RetryRule twice{.max_fruitless = 2};
+    for (std::uint64_t n_bytes : {100, 200, 300, 400}) {
+        const Lease lease = claim(*catalog);
+        catalog->add_rate_point(lease, {9, n_bytes, 1, 1});
+        catalog->retry(lease, twice, "died", at(1));
+        CHECK(catalog->find(id)->state == ModelState::queued);
+    }
+    const Lease lease = claim(*catalog);
+    catalog->begin(lease, 0, at(1));
+    catalog->add_rate_point(lease, {9, 400, 1, 1});
+    catalog->retry(lease, twice, "died", at(1));
+    CHECK(catalog->find(id)->state == ModelState::failed);
+}
+
+TEST_CASE_TEMPLATE("Catalog: an attempt that is not counted may fail for ever", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    for (int i = 0; i < 20; ++i)
+        catalog->retry(claim(*catalog), {.max_fruitless = 2, .is_counted = false}, "no room", at(1));
+    CHECK(catalog->find(id)->state == ModelState::queued);
+}
+
+TEST_CASE_TEMPLATE("Catalog: a model is not claimed before its time, and holds up no other", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string early = add(*catalog), late = add(*catalog);
+    catalog->retry(claim(*catalog), {.not_before = at(500)}, "", at(1));
+    CHECK(catalog->claim_next(at(2))->id == late);
+    CHECK_FALSE(catalog->claim_next(at(499)));
+    CHECK(catalog->claim_next(at(500))->id == early);
+}
+
+TEST_CASE_TEMPLATE("Catalog: models are counted by state, and the final ones found by age", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string done = add(*catalog), failed = add(*catalog);
+    const Lease first = claim(*catalog), second = claim(*catalog);
+    catalog->finish(second, ModelState::failed, "", at(20));
+    catalog->finish(first, ModelState::done, "", at(10));
+    add(*catalog);
+    add(*catalog);
+    const std::map<ModelState, std::size_t> expected{
+        {ModelState::queued, 2}, {ModelState::done, 1}, {ModelState::failed, 1}};
+    CHECK(catalog->counts() == expected);
+    CHECK(catalog->final_before(at(10)).empty());
+    REQUIRE(catalog->final_before(at(11)).size() == 1);
+    const auto both = catalog->final_before(at(100));
+    REQUIRE(both.size() == 2);
+    CHECK(both[0].id == done);
+    CHECK(both[1].id == failed);
 }
 
 TEST_CASE_TEMPLATE("Catalog: an idempotency key stands for one request", Implementation, Sqlite) {
@@ -164,11 +296,11 @@ TEST_CASE_TEMPLATE("Catalog: a removed model is forgotten in every state", Imple
     Implementation place;
     const auto catalog = place.make();
     const std::string id = add(*catalog, 0, "key");
-    catalog->claim_next(at(1));
+    const Lease lease = claim(*catalog);
     CHECK(catalog->remove(id));
     CHECK_FALSE(catalog->remove(id));
-    catalog->report(id, {}, at(2));
-    catalog->finish(id, ModelState::done, "", at(2));
+    CHECK_FALSE(catalog->report(lease, {}, at(2)));
+    CHECK_FALSE(catalog->finish(lease, ModelState::done, "", at(2)));
     CHECK_FALSE(catalog->find(id));
     CHECK(catalog->curve(id).empty());
 }

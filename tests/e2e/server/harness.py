@@ -17,6 +17,8 @@ import unittest
 import zipfile
 from pathlib import Path
 
+from openapi_check import Document
+
 ANYRATE = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else None
 PATIENCE = 120  # seconds until a wait counts as failed; far above what is needed
 
@@ -32,26 +34,42 @@ def run(*arguments, check=True):
 class Server:
     """`anyrate serve` on a port of the kernel's choice."""
 
-    def __init__(self, data, *options, environment=None):
+    def __init__(self, data, *options, environment=None, headers=None):
         self.data = Path(data)
+        self.document = None      # its OpenAPI document, once it was asked for
+        self.headers = headers or {}  # of every request
         self.process = subprocess.Popen(
             [ANYRATE, "serve", "--listen", "127.0.0.1:0", "--data", self.data, *options],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env={**os.environ, **(environment or {})})
         line = self.process.stdout.readline()
-        if not line.startswith("listening on http://"):
+        if not line.startswith("listening on http"):
             raise AssertionError(f"the server did not start: {line!r}")
         self.url = line.split()[-1]
         self.address = ("127.0.0.1", int(self.url.rsplit(":", 1)[1]))
 
     def request(self, method, target, body=None, headers=None):
         """One request on a connection of its own: (status, headers, body)."""
-        connection = http.client.HTTPConnection(*self.address, timeout=PATIENCE)
+        connection = self.connect()
         try:
-            connection.request(method, target, body, headers or {})
+            connection.request(method, target, body, {**self.headers, **(headers or {})})
             response = connection.getresponse()
-            return response.status, response.headers, response.read()
+            answer = response.status, response.headers, response.read()
         finally:
             connection.close()
+        self.check_promise(method, target, answer)
+        return answer
+
+    def check_promise(self, method, target, answer):
+        """Every answer that a test sees is one that the server's own OpenAPI document promises."""
+        if self.document is None:
+            connection = self.connect()
+            connection.request("GET", "/openapi.json", headers=self.headers)
+            self.document = Document(json.loads(connection.getresponse().read()))
+            connection.close()
+        self.document.check(method, target, *answer)
+
+    def connect(self):
+        return http.client.HTTPConnection(*self.address, timeout=PATIENCE)
 
     def raw(self, data):
         """Sends bytes as they are and gives everything that comes back."""

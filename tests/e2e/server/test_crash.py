@@ -1,11 +1,12 @@
 """Workers and servers are killed; no job is lost."""
 
 import os
+import shutil
 import signal
 import time
 import unittest
 
-from harness import PATIENCE, Server, ServerTest, run
+from harness import PATIENCE, Server, ServerTest, WebSocket, run
 
 JOB = "?vertices=8000&coarse=600"
 
@@ -32,6 +33,45 @@ class Crash(ServerTest):
         model_id = self.running_model()
         self.kill_worker()
         self.expect_done(model_id, attempts=2)
+
+    def test_a_killed_workers_job_goes_on_behind_its_last_frame_and_readers_keep_theirs(self):
+        model_id = self.make_model(JOB)
+        stream = WebSocket(self.server, f"/v1/models/{model_id}/live")
+        reached = self.server.wait_for(model_id, lambda model: len(model["curve"]) >= 4)
+        self.kill_worker()
+        self.server.wait_for(model_id, lambda model: model["attempts"] == 2)
+        self.assertGreaterEqual(len(self.server.model(model_id)["curve"]), len(reached["curve"]) - 1)
+        hellos, log, _ = stream.read_to_end()
+        # The preview's, if there was one, and the model's: the second worker began nothing anew.
+        ids = [message["log_id"] for message in hellos if message["type"] == "hello"]
+        self.assertEqual(len(set(ids)), len(ids))
+        self.assertLessEqual(len(ids), 2)
+        self.expect_done(model_id, attempts=2)
+        self.assertEqual(log, self.server.live(model_id).read_bytes())
+        curve = [point["bytes"] for point in self.server.model(model_id)["curve"]]
+        self.assertEqual(curve, sorted(set(curve)), "no batch was made twice")
+
+    def test_the_model_of_a_killed_worker_is_that_of_an_undisturbed_one(self):
+        model_id = self.running_model()
+        capture = self.server.data / "models" / model_id / "capture.zip"
+        calm = self.folder / "calm" / "models" / model_id
+        calm.mkdir(parents=True)
+        shutil.copy(capture, calm)
+        self.kill_worker()
+        self.expect_done(model_id, attempts=2)
+        run("worker", "--data", self.folder / "calm", "--model", model_id, "--vertices", 8000, "--coarse", 600)
+        self.assertEqual((calm / "model.arl").read_bytes(), self.server.sealed(model_id).read_bytes())
+
+    def test_a_worker_without_the_latest_lease_changes_nothing(self):
+        model_id = self.make_finished_model()
+        folder = self.server.data / "models" / model_id
+        before = {file.name: file.read_bytes() for file in folder.iterdir()}
+        (folder / "model.arl").unlink()
+        done = run("worker", "--data", self.server.data, "--model", model_id, "--epoch", 0, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("stopped", done.stdout)
+        (folder / "model.arl").write_bytes(before["model.arl"])
+        self.assertEqual({file.name: file.read_bytes() for file in folder.iterdir()}, before)
 
     def test_a_worker_that_dies_every_time_fails_its_model_alone(self):
         model_id = self.make_model(JOB)

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -129,6 +130,68 @@ TEST_CASE("Log writer: a torus stays a torus through the log") {
     log.writer.finish();
     const Mesh decoded = decode_mesh(log.bytes, VertexBudget{0xFFFFFFFF});
     CHECK(decoded.n_faces() == 2 * decoded.n_vertices());  // V - E + F = 0 with E = 3 F / 2
+}
+
+TEST_CASE("Log writer: a log that is continued behind any batch ends like one that was written at once") {
+    struct Step {
+        std::vector<SplitRecord> records;
+        RefinableMesh after;
+        std::size_t n_bytes, n_rows;  // of the log before it
+    };
+    for (const bool coloured : {true, false}) {
+        Log log;
+        RefinableMesh mesh(log.writer.start(grid, {}, samples::icosphere(grid, 3)), grid, {});
+        const auto n_base = static_cast<std::size_t>(mesh.n_vertices());
+        log.writer.base_attributes(std::vector<Rgb8>(coloured ? n_base : 0, Rgb8{10, 90, 200}), {5, 10});
+        const auto colours_of = [&](const Step& step) {
+            std::vector<Rgb8> colours;
+            for (std::size_t i = 0; coloured && i < 3 * step.records.size(); ++i)
+                colours.push_back({static_cast<std::uint8_t>(7 * i), static_cast<std::uint8_t>(3 * i), 50});
+            return colours;
+        };
+        std::vector<Step> steps;
+        for (const std::size_t n_splits : {40, 2100, 60}) {  // the second one spans packets
+            Step step{split_every(mesh, n_splits > 2048 ? 1 : 17, n_splits), mesh, log.bytes.size(),
+                      log.writer.rows().size()};
+            log.writer.batch(step.records, mesh, colours_of(step), {1.0 / (1.0 + static_cast<double>(n_splits)), 1});
+            steps.push_back(std::move(step));
+        }
+        log.writer.finish();
+        const std::vector<IndexRow> rows(log.writer.rows().begin(), log.writer.rows().end());
+        for (std::size_t begin = 0; begin < steps.size(); ++begin) {
+            std::vector<std::byte> rest;
+            LogWriter writer(
+                std::span(log.bytes).first(steps[begin].n_bytes), std::span(rows).first(steps[begin].n_rows),
+                [&](std::span<const std::byte> part) { rest.insert(rest.end(), part.begin(), part.end()); });
+            for (std::size_t k = begin; k < steps.size(); ++k)
+                writer.batch(steps[k].records, steps[k].after, colours_of(steps[k]),
+                             {1.0 / (1.0 + (k == 0   ? 40.0
+                                            : k == 1 ? 2100.0
+                                                     : 60.0)),
+                              1});
+            writer.finish();
+            CHECK(std::ranges::equal(rest, std::span(log.bytes).subspan(steps[begin].n_bytes)));
+            CHECK(std::ranges::equal(writer.rows(), rows));
+        }
+    }
+}
+
+TEST_CASE("Log writer: what cannot be continued is refused") {
+    const auto& log = testing::small_log();
+    const LogLayout layout = read_layout(log.live);
+    const auto refused = [](std::span<const std::byte> front, std::span<const IndexRow> rows) {
+        CHECK_THROWS_AS(LogWriter(front, rows, [](std::span<const std::byte>) {}), DecodeError);
+    };
+    const std::size_t end = layout.frames[1].end();
+    CHECK_NOTHROW(LogWriter(std::span(log.live).first(end), std::span(layout.index).first(2),
+                            [](std::span<const std::byte>) {}));
+    refused(std::span(log.live).first(end), std::span(layout.index).first(1));
+    refused(std::span(log.live).first(end - 1), std::span(layout.index).first(2));
+    refused(std::span(log.live).first(header_size), {});
+    refused(log.live, layout.index);  // it has ended
+    std::vector<std::byte> damaged(log.live.begin(), log.live.begin() + static_cast<std::ptrdiff_t>(end));
+    damaged[end - 1] ^= std::byte{1};
+    refused(damaged, std::span(layout.index).first(2));
 }
 
 }  // namespace anyrate

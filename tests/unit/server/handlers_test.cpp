@@ -7,6 +7,7 @@
 #include "core/mesh/mesh_io.h"
 #include "proto/log_reader.h"
 #include "server/http/service.h"
+#include "server/store/directory_log_store.h"
 #include "server/store/model_id.h"
 #include "server/store/sqlite_catalog.h"
 #include "tests/unit/server/small_model.h"
@@ -51,10 +52,11 @@ struct Fixture {
     /// A finished model, made by a job that takes no time.
     std::string finished_model(int n_batches = 4) {
         const std::string id = nlohmann::json::parse(text(post("PK\x03\x04")))["id"];
-        catalog.claim_next({});
-        run_job({.model_id = id, .paths = store.paths(id), .options = {}}, small_job_steps(n_batches),
+        const Lease lease = lease_of(catalog.claim_next({}).value());
+        DirectoryLogStore logs(folder.path());
+        run_job({.model_id = id, .capture = store.paths(id).capture, .options = {}}, small_job_steps(n_batches), logs,
                 [](const WorkerMessage&) {}, {});
-        catalog.finish(id, ModelState::done, "", {});
+        catalog.finish(lease, ModelState::done, "", {});
         return id;
     }
     static std::string text(const Response& response) { return std::get<std::string>(response.body); }
@@ -141,16 +143,18 @@ TEST_CASE("Log: two budgets with different bytes have different tags") {
 TEST_CASE("Log: what a failed model leaves of a preview is no log") {
     Fixture f;
     const std::string id = nlohmann::json::parse(f.text(f.post("PK\x03\x04")))["id"];
-    f.catalog.claim_next({});
+    const Lease lease = lease_of(f.catalog.claim_next({}).value());
     JobSteps steps = small_job_steps(1);
     steps.reconstruct = [](const Capture&, const ReconstructOptions&, ModelSink& sink, const ProgressFn&,
-                           std::stop_token) -> ReconstructResult {
+                           std::stop_token, RefinementJournal&) -> ReconstructResult {
         write_octahedron(*sink.preview());
         throw InputError("nothing to see");
     };
-    run_job({.model_id = id, .paths = f.store.paths(id), .options = {}}, steps, [](const WorkerMessage&) {}, {});
+    DirectoryLogStore logs(f.folder.path());
+    run_job({.model_id = id, .capture = f.store.paths(id).capture, .options = {}}, steps, logs,
+            [](const WorkerMessage&) {}, {});
     CHECK(f.get("/v1/models/" + id + "/log").status == 200);  // while it runs
-    f.catalog.finish(id, ModelState::failed, "nothing to see", {});
+    f.catalog.finish(lease, ModelState::failed, "nothing to see", {});
     for (const char* what : {"/log", "/index", "/mesh.ply"}) {
         const Response response = f.get("/v1/models/" + id + what);
         CHECK(response.status == 404);
@@ -210,8 +214,8 @@ TEST_CASE("List: pages hold every model once, newest first") {
 TEST_CASE("Page: a sentence with markup stays text") {
     Fixture f;
     f.post("PK\x03\x04");
-    const auto model = f.catalog.claim_next({});
-    f.catalog.finish(model->id, ModelState::failed, "<script>alert(1)</script>", {});
+    const ModelRecord model = f.catalog.claim_next({}).value();
+    f.catalog.finish(lease_of(model), ModelState::failed, "<script>alert(1)</script>", {});
     const std::string page = f.text(f.get("/"));
     CHECK(page.find("<script>") == std::string::npos);
     CHECK(page.find("&lt;script&gt;") != std::string::npos);

@@ -31,7 +31,7 @@ TEST_CASE("Hot logs: a log that was kept is found with its bytes, until its mode
     const SealedLog log;
     HotLogs hot;
     CHECK(hot.find("a") == nullptr);
-    hot.keep("a", log.view(), hot.generation());
+    hot.keep("a", log.view(), "\"tag\"", hot.generation());
     REQUIRE(hot.find("a") != nullptr);
     CHECK(*hot.find("a")->bytes == read_file(log.sealed));
     hot.forget("a");
@@ -43,7 +43,7 @@ TEST_CASE("Hot logs: a model that is removed while its log is read is not kept")
     HotLogs hot;
     const auto generation = hot.generation();
     hot.forget("a");
-    CHECK(hot.keep("a", log.view(), generation) != nullptr);
+    CHECK(hot.keep("a", log.view(), "\"tag\"", generation) != nullptr);
     CHECK(hot.find("a") == nullptr);
 }
 
@@ -51,9 +51,9 @@ TEST_CASE("Hot logs: the one that was not asked for the longest goes when memory
     const SealedLog log;
     const std::uint64_t size = log.view().size;
     HotLogs hot(4 * size);
-    for (int i = 0; i < 4; ++i) hot.keep(std::to_string(i), log.view(), hot.generation());
+    for (int i = 0; i < 4; ++i) hot.keep(std::to_string(i), log.view(), "\"tag\"", hot.generation());
     CHECK(hot.find("0") != nullptr);
-    hot.keep("4", log.view(), hot.generation());
+    hot.keep("4", log.view(), "\"tag\"", hot.generation());
     CHECK(hot.find("0") != nullptr);
     CHECK(hot.find("1") == nullptr);
     CHECK(hot.find("4") != nullptr);
@@ -62,7 +62,7 @@ TEST_CASE("Hot logs: the one that was not asked for the longest goes when memory
 TEST_CASE("Hot logs: a long log is kept open, not in memory") {
     const SealedLog log;
     HotLogs hot(log.view().size);
-    CHECK(hot.keep("a", log.view(), hot.generation())->bytes == nullptr);
+    CHECK(hot.keep("a", log.view(), "\"tag\"", hot.generation())->bytes == nullptr);
     CHECK(hot.find("a") != nullptr);
 }
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <future>
+#include <mutex>
 #include <thread>
 
 #include "server/store/sqlite_catalog.h"
@@ -19,7 +20,11 @@ struct Fixture {
     SqliteCatalog catalog{folder.path() / "catalog.sqlite"};
     ModelEvents events;
 
-    SchedulerOptions options{.n_workers = 1, .max_attempts = 3, .stop_patience = std::chrono::milliseconds(2000)};
+    SchedulerOptions options{.n_workers = 1,
+                             .max_attempts = 3,
+                             .stop_patience = std::chrono::milliseconds(2000),
+                             .retry_delay = std::chrono::milliseconds(10),
+                             .room_delay = std::chrono::milliseconds(10)};
 
     std::string add() {
         const std::string id = new_model_id();
@@ -28,7 +33,13 @@ struct Fixture {
     }
     WorkerCommand shell(const std::string& script) {
         return [script](const ModelRecord& model) -> std::vector<std::string> {
-            return {"/bin/sh", "-c", script, "worker", model.id, std::to_string(model.attempts)};
+            return {"/bin/sh",
+                    "-c",
+                    script,
+                    "worker",
+                    model.id,
+                    std::to_string(model.attempts),
+                    std::to_string(model.epoch)};
         };
     }
     ModelRecord wait_for(const std::string& id, const std::function<bool(const ModelRecord&)>& is_reached) {
@@ -63,7 +74,8 @@ TEST_CASE("Scheduler: what a worker reports stands in the catalog") {
 
 TEST_CASE("Scheduler: a failed capture is not tried again") {
     Fixture f;
-    const ModelRecord model = f.run("echo '{\"type\":\"failed\",\"error\":\"no cameras\",\"retry\":false}'; exit 1");
+    const ModelRecord model =
+        f.run("echo '{\"type\":\"failed\",\"error\":\"no cameras\",\"cause\":\"capture\"}'; exit 1");
     CHECK(model.state == ModelState::failed);
     CHECK(model.error == "no cameras");
     CHECK(model.attempts == 1);
@@ -147,4 +159,77 @@ TEST_CASE("Scheduler: a model removed between its claim and its start gets no wo
         removed.set_value();
     }
     CHECK_FALSE(std::filesystem::exists(file));
+}
+
+TEST_CASE("Scheduler: a job that gets further at each attempt is tried for as long as it does") {
+    Fixture f;
+    const ModelRecord model = f.run(
+        "echo '{\"type\":\"begun\",\"bytes\":'$2'}';"
+        "echo '{\"type\":\"rate\",\"vertices\":7,\"bytes\":'$2'0,\"psi\":1,\"seconds\":1}';"
+        "[ $2 -lt 8 ] && kill -9 $$; " +
+        done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 8);
+}
+
+TEST_CASE("Scheduler: a job that finds the disk full waits for room, however often") {
+    Fixture f;
+    const ModelRecord model = f.run(
+        "[ $2 -lt 7 ] && echo '{\"type\":\"failed\",\"error\":\"full\",\"cause\":\"no room\"}' && exit 1; " + done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 7);
+}
+
+TEST_CASE("Scheduler: a cancelled model's worker is killed, and what it says later is not heard") {
+    Fixture f;
+    const std::string id = f.add();
+    Scheduler scheduler(f.catalog, f.events, f.shell("sleep 0.3; " + done + "; exec sleep 60"), f.options,
+                        [](const std::string&) {});
+    f.wait_for(id, [](const ModelRecord& model) { return model.state == ModelState::running; });
+    f.catalog.cancel(id, {});
+    scheduler.abandon(id);
+    const std::string next = f.add();  // the slot is free again
+    scheduler.wake();
+    CHECK(f.wait_for(next, [](const ModelRecord& model) { return model.state == ModelState::running; }).state ==
+          ModelState::running);
+    CHECK(f.catalog.find(id)->state == ModelState::cancelled);
+}
+
+TEST_CASE("Scheduler: a long job keeps its lease") {
+    Fixture f;
+    f.options.lease = std::chrono::milliseconds(300);
+    const ModelRecord model = f.run("sleep 1.5; " + done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 1);
+}
+
+TEST_CASE("Scheduler: a lease that ran out is given to another worker") {
+    Fixture f;
+    const std::string id = f.add();
+    Scheduler scheduler(f.catalog, f.events, f.shell(done), f.options, [](const std::string&) {});
+    f.wait_for(id, [](const ModelRecord& model) { return is_final(model.state); });
+    // As if the end of an attempt could not be written down: somebody holds a lease, but nobody works.
+    SqliteCatalog other(f.folder.path() / "catalog.sqlite");
+    const std::string lost = f.add();
+    const auto taken = other.claim_next(Timestamp::max(), Timestamp());
+    scheduler.wake();
+    const ModelRecord model = f.wait_for(lost, [](const ModelRecord& m) { return is_final(m.state); });
+    CHECK(model.state == ModelState::done);
+}
+
+TEST_CASE("Scheduler: each stage's time is told") {
+    Fixture f;
+    std::mutex mutex;
+    std::vector<std::string> stages;
+    f.options.on_stage = [&](const std::string& stage, double seconds) {
+        const std::lock_guard lock(mutex);
+        if (seconds >= 0) stages.push_back(stage);
+    };
+    const auto progress = [](const std::string& stage) {
+        return "echo '{\"type\":\"progress\",\"stage\":\"" + stage +
+               "\",\"fraction\":0.5,\"vertices\":7,\"bytes\":8}';";
+    };
+    f.run(progress("load") + progress("hull") + progress("hull") + progress("seal") + done);
+    const std::lock_guard lock(mutex);
+    CHECK(stages == std::vector<std::string>{"load", "hull", "seal"});
 }
