@@ -40,12 +40,6 @@ void require_counts(const EncodeMeshOptions& options) {
     require("vertices, no fewer than coarse", options.n_vertices, options.n_coarse);
 }
 
-Grid make_grid(const Mesh& mesh, const EncodeMeshOptions& options) {
-    Grid grid = make_grid(mesh, options.n_vertices);
-    grid.base_shift = grid.bits - options.base_bits;
-    return grid;
-}
-
 /// A mesh and how far its faces are from the surface.
 struct Measured {
     Mesh mesh;
@@ -142,7 +136,8 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     if (stop.stop_requested()) return EncodeEnd::before_the_base;
 
     // From here on only the decoded integer state counts.
-    const Grid grid = make_grid(mesh, options);
+    Grid grid = make_grid(mesh, options.n_vertices);
+    grid.base_shift = base_shift(coarse, grid);
     const RefinementRules rules{.step_ratio = options.step_ratio};
     RefinableMesh state(sink.start(grid, rules, to_base(coarse, grid)), grid, rules);
     SurfaceMeter meter(surface);

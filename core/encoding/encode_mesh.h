@@ -14,7 +14,6 @@ struct EncodeMeshOptions {
     std::string name = "mesh";  ///< of the surface, for what is said of it
     int n_vertices = 10'000;
     int n_coarse = 1'500;        ///< with growth 0.16, 2,000: x 0.82, 1,000: x 0.83
-    int base_bits = 11;          ///< of a base position; with 2,500 vertices and a dead zone x 0.93, 12: x 0.96
     int step_ratio = 80;         ///< with growth 0.16: x 0.82; 60: x 0.85. With bit price 0.8: x 0.82; 120: x 0.84
     double growth = 0.2;         ///< vertices a batch adds, in parts of what is there; 0.12: x 0.84, 0.3: x 0.82
     double smallest_area = 0.2;  ///< faces below this part of the mean area are not split; 0.1 is the same

@@ -19,7 +19,7 @@ void expect_authorized(const Request& request, const AccessRules& rules) {
     const Scope scope = is_reading(request) ? Scope::read : Scope::write;
     if (is_open_to_all(request) || (scope == Scope::read && !rules.is_private)) return;
     // A server without a writer listens on loopback only, and there everybody may write.
-    if (!rules.is_private && !rules.tokens.has_writer()) return;
+    if (!rules.is_private && !rules.is_beyond_loopback && !rules.tokens.has_writer()) return;
     const std::string_view field = request.headers.find("Authorization").value_or("");
     if (field.substr(0, scheme.size()) == scheme) {
         const std::string_view token = field.substr(scheme.size());

@@ -8,6 +8,7 @@ namespace anyrate {
 struct AccessRules {
     Tokens& tokens;
     bool is_private = false;
+    bool is_beyond_loopback = false;  ///< then nobody may write once the last token is revoked
 };
 
 /// Lets a request pass or throws. Tokens are taken from the field Authorization (Bearer) only, for addresses end in

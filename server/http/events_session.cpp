@@ -33,6 +33,7 @@ awaitable<void> send(Stream& stream, std::string text, std::chrono::seconds pati
 awaitable<void> serve_events(Stream& stream, ServerContext& context, const Response& response,
                              std::shared_ptr<WakeUp> wake_up) {
     constexpr auto heartbeat = std::chrono::seconds(15);  // finds connections that are gone
+    const Counted counted(context.metrics.event_clients);
     const std::string id = std::get<EventsBody>(response.body).model_id;
     const ModelEvents::Subscription subscription(context.events, id, [wake_up] { wake_up->raise(); });
     co_await write_open_header(stream, response, context.limits.write_patience);

@@ -398,6 +398,7 @@ awaitable<void> serve_connection(tcp::socket socket, NetworkThread& thread, asio
             if (connection->is_idle) connection->stream->cancel();
         });
     };
+    const Counted counted(context.metrics.connections);
     const Sessions::Membership membership(context.sessions, on_drain);
     try {
         connection->stream->socket().native_non_blocking(true);

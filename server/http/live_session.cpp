@@ -12,6 +12,7 @@
 
 #include "server/http/live_cursor.h"
 #include "server/http/live_feed.h"
+#include "server/http/live_message.h"
 
 namespace anyrate {
 namespace {
@@ -67,16 +68,10 @@ void set_options(Connection& connection) {
 
 /// @return false if the message is none that a client may send
 bool apply_client_message(Connection& connection, const std::string& text) {
-    const auto message = nlohmann::json::parse(text, nullptr, false);
-    if (!message.is_object()) return false;
-    if (const auto vertices = message.find("vertices"); vertices != message.end()) {
-        if (!vertices->is_number_unsigned() || *vertices > UINT32_MAX) return false;
-        connection.cursor.set_max_vertices(vertices->get<std::uint32_t>());
-    }
-    if (const auto pause = message.find("pause"); pause != message.end()) {
-        if (!pause->is_boolean()) return false;
-        connection.is_paused = pause->get<bool>();
-    }
+    const auto message = parse_live_message(text);
+    if (!message) return false;
+    if (message->max_vertices) connection.cursor.set_max_vertices(*message->max_vertices);
+    if (message->pause) connection.is_paused = *message->pause;
     return true;
 }
 
@@ -172,23 +167,11 @@ awaitable<websocket::close_code> follow(Connection& connection) {
     }
 }
 
-/// Counts a live client as long as it is one.
-class LiveClientCount {
-public:
-    explicit LiveClientCount(Metrics& metrics) : metrics_(metrics) { ++metrics_.live_clients; }
-    ~LiveClientCount() { --metrics_.live_clients; }
-    LiveClientCount(const LiveClientCount&) = delete;
-    LiveClientCount& operator=(const LiveClientCount&) = delete;
-
-private:
-    Metrics& metrics_;
-};
-
 }  // namespace
 
 awaitable<void> serve_live(std::shared_ptr<Stream> stream, beast::http::request<beast::http::empty_body> upgrade,
                            ServerContext& context, LiveBody wish, std::shared_ptr<WakeUp> wake_up) {
-    const LiveClientCount counted(context.metrics);
+    const Counted counted(context.metrics.live_clients);
     const auto connection = std::make_shared<Connection>(std::move(stream), context, std::move(wish), wake_up);
     connection->stream->expires_never();  // the WebSocket has deadlines of its own
     set_options(*connection);

@@ -59,6 +59,18 @@ struct Metrics {
     Count live_clients = 0, live_messages = 0, live_bytes = 0, live_evictions = 0, event_clients = 0;
 };
 
+/// Counts one more for as long as it lives.
+class Counted {
+public:
+    explicit Counted(Metrics::Count& count) : count_(count) { ++count_; }
+    ~Counted() { --count_; }
+    Counted(const Counted&) = delete;
+    Counted& operator=(const Counted&) = delete;
+
+private:
+    Metrics::Count& count_;
+};
+
 /// One metric of the Prometheus text format without labels.
 void write_metric(std::string& text, const char* name, const char* type, const char* help, double value);
 

@@ -223,7 +223,7 @@ struct Server::State {
                           .quick_pool = quick_pool,
                           .heavy_pool = heavy_pool,
                           .limits = limits_of(options),
-                          .access = {tokens, options.is_private},
+                          .access = {tokens, options.is_private, !endpoint.address().is_loopback()},
                           .cors_origins = options.cors_origins,
                           .log = options.log,
                           .log_access = options.log_access,

@@ -13,11 +13,11 @@ namespace anyrate {
 
 /// A file of a capture that has arrived, and what was found of it then.
 struct CaptureFile {
-    std::string path;  ///< relative_name(): "images/000.png"
+    std::string path = {};  ///< relative_name(): "images/000.png"
     std::uint64_t n_bytes = 0;
-    std::string sha256;         ///< hexadecimal
-    std::string fault;          ///< why it cannot be used, a sentence; empty if it can
-    std::string kind;           ///< "png", "jpeg" or "json"; empty if it is none of them
+    std::string sha256 = {};    ///< hexadecimal
+    std::string fault = {};     ///< why it cannot be used, a sentence; empty if it can
+    std::string kind = {};      ///< "png", "jpeg" or "json"; empty if it is none of them
     int width = 0, height = 0;  ///< pixels, of an image
     friend bool operator==(const CaptureFile&, const CaptureFile&) = default;
 };

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     return bench::run_tool(app, argc, argv, [&]() -> bench::Json {
         Mesh mesh = read_mesh(input);
         const Grid grid = model.empty() ? grid_around(mesh, bits) : grid_of(model);
-        const BaseMesh on_grid = to_base(mesh, grid);
+        const BaseMesh on_grid = nearest_base(mesh, grid);
         mesh.colours.clear();
         std::ranges::transform(on_grid.positions, mesh.vertices.begin(),
                                [&](const GridPoint& p) { return grid.to_world(p); });

@@ -33,21 +33,27 @@ int status_of(const AccessRules& rules, const std::string& method, const std::st
 
 TEST_CASE("Bearer: writing needs exactly the token, reading none") {
     Tokens tokens({}, "abc"), none({}, "");
-    CHECK(status_of({tokens}, "POST", "Bearer abc") == 200);
-    CHECK(status_of({tokens}, "GET", "") == 200);
-    CHECK(status_of({none}, "POST", "") == 200);
+    CHECK(status_of({tokens, false, false}, "POST", "Bearer abc") == 200);
+    CHECK(status_of({tokens, false, false}, "GET", "") == 200);
+    CHECK(status_of({none, false, false}, "POST", "") == 200);
     for (const char* field : {"", "Bearer", "Bearer ", "Bearer ab", "Bearer abcd", "Bearer abd", "abc", "Basic abc"})
-        CHECK_MESSAGE(status_of({tokens}, "DELETE", field) == 401, field);
+        CHECK_MESSAGE(status_of({tokens, false, false}, "DELETE", field) == 401, field);
 }
 
 TEST_CASE("Bearer: a private server tells nobody without a token more than that it is there") {
     Tokens tokens({}, "abc");
-    const AccessRules rules{tokens, true};
+    const AccessRules rules{tokens, true, false};
     CHECK(status_of(rules, "GET", "") == 401);
     CHECK(status_of(rules, "GET", "Bearer abc") == 200);
     CHECK(status_of(rules, "GET", "", "/healthz") == 200);
     Tokens none({}, "");
-    CHECK(status_of({none, true}, "GET", "") == 401);
+    CHECK(status_of({none, true, false}, "GET", "") == 401);
+}
+
+TEST_CASE("Bearer: beyond loopback nobody writes once the last token is revoked") {
+    Tokens none({}, "");
+    CHECK(status_of({none, false, true}, "POST", "") == 401);
+    CHECK(status_of({none, false, true}, "POST", "Bearer ") == 401);
 }
 
 TEST_CASE("Tokens: a token of read scope reads and does not write") {
@@ -57,7 +63,7 @@ TEST_CASE("Tokens: a token of read scope reads and does not write") {
     write_tokens(
         file, {{"reader", Scope::read, sha256(as_bytes(reader))}, {"writer", Scope::write, sha256(as_bytes(writer))}});
     Tokens tokens(file, "");
-    const AccessRules rules{tokens, true};
+    const AccessRules rules{tokens, true, false};
     CHECK(status_of(rules, "GET", "Bearer " + reader) == 200);
     CHECK(status_of(rules, "PUT", "Bearer " + reader) == 403);
     CHECK(status_of(rules, "PUT", "Bearer " + writer) == 200);

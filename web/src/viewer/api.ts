@@ -47,6 +47,11 @@ export async function deleteModel(id: string): Promise<void> {
     await answer(await fetch(`/v1/models/${id}`, { method: "DELETE", headers: authorisation() }));
 }
 
+/** Ends a reconstruction that waits or runs. */
+export async function cancelModel(id: string): Promise<void> {
+    await answer(await fetch(`/v1/models/${id}/cancel`, { method: "POST", headers: authorisation() }));
+}
+
 /** The cameras of a model's photographs; undefined if the server has none. */
 export async function getCameras(id: string): Promise<Cameras | undefined> {
     const response = await fetch(`/v1/models/${id}/cameras`);

@@ -19,6 +19,11 @@ export function milliseconds(n: number): string {
     return n < 1000 ? `${significant(n)} ms` : `${significant(n / 1000)} s`;
 }
 
+/** 40 s, 3 min */
+export function duration(seconds: number): string {
+    return seconds < 90 ? `${Math.max(1, Math.round(seconds))} s` : `${Math.round(seconds / 60)} min`;
+}
+
 /** Three digits, more before the point if there are. */
 export function significant(n: number): string {
     if (!Number.isFinite(n)) return "–";

@@ -1,12 +1,12 @@
 import { DecodeError, followModel, openModel, ServerError } from "../client/index.js";
 import type { Budget, Model, ModelEvent } from "../client/index.js";
-import { getCameras, getModel, isFinal, knownModel, modelUrl, RequestError, watchModel } from "./api.js";
+import { cancelModel, getCameras, getModel, isFinal, knownModel, modelUrl, RequestError, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
 import { BudgetPanel } from "./budget-panel.js";
 import { cameraCentre, meanUp } from "./camera-view.js";
 import { h, icon, icons } from "./dom.js";
 import { draco } from "./draco.js";
-import { bytes, count, hex32, milliseconds, shortId, significant } from "./format.js";
+import { bytes, count, duration, hex32, milliseconds, shortId, significant } from "./format.js";
 import { ModelView } from "./model-view.js";
 import type { Page } from "./page.js";
 import { PhotoStrip } from "./photo-strip.js";
@@ -69,7 +69,8 @@ class ModelPage {
         this.budget = shared.budget;
         this.shading = shared.shading ?? "colour";
         this.edges = shared.edges ?? false;
-        this.stageLine.append(this.stages.element, this.stageText);
+        const cancel = h("button", { class: "button quiet", onclick: () => void this.cancel() }, "Cancel");
+        this.stageLine.append(this.stages.element, h("div", { class: "stage-foot" }, this.stageText, cancel));
         this.stage.append(this.notice, this.stageLine, this.toolbar(), this.foot);
         this.element = h("main", { class: "model" }, this.stage, this.side());
         this.budgetPanel.onBudget = (budget) => this.ask(budget);
@@ -219,6 +220,14 @@ class ModelPage {
         this.showStatistics();
         this.showDownloads();
         this.remember();
+    }
+
+    private async cancel(): Promise<void> {
+        try {
+            await cancelModel(this.id);
+        } catch (error) {
+            this.sayFailure(error);
+        }
     }
 
     // --- what the page says
@@ -426,8 +435,11 @@ function failedSentence(error: string | undefined): string {
 }
 
 function stageSentence(info: ModelInfo): string {
-    const psi = info.distortion === null ? "" : `, Ψ ${significant(info.distortion)}`;
-    return info.vertices > 0 ? `${stateSentence(info)} · ${count(info.vertices)} vertices${psi}` : stateSentence(info);
+    const parts = [stateSentence(info)];
+    if (info.vertices > 0) parts.push(`${count(info.vertices)} vertices`);
+    if (info.distortion !== null) parts.push(`Ψ ${significant(info.distortion)}`);
+    if (info.seconds_left != null) parts.push(`about ${duration(info.seconds_left)} left`);
+    return parts.join(" · ");
 }
 
 function label(axis: "vertices" | "bytes"): string {
