@@ -297,9 +297,12 @@ awaitable<bool> serve_request(Connection& connection) {
     Account account(connection);
     Request request = to_request(parser.get());
     account.request_id = request_id_of(request);
+    const auto sign = [&](Response& answer) {
+        answer.headers.add("X-Request-Id", account.request_id);
+        allow_origin(answer, request, connection.context.cors_origins);
+    };
     Response response = co_await handle_or_explain(connection, parser, request, account);
-    response.headers.add("X-Request-Id", account.request_id);
-    allow_origin(response, request, connection.context.cors_origins);
+    sign(response);
 
     if (auto* live = std::get_if<LiveBody>(&response.body)) {
         auto refusal = co_await go_on_live(connection, parser, std::move(*live));
@@ -308,6 +311,7 @@ awaitable<bool> serve_request(Connection& connection) {
             co_return false;
         }
         response = std::move(*refusal);
+        sign(response);
     }
     if (std::holds_alternative<EventsBody>(response.body)) {
         co_await go_on_with_events(connection, request, response);
@@ -382,7 +386,9 @@ awaitable<void> serve_requests(Connection& connection) {
     }
     if (problem) {
         connection.must_close = true;
-        co_await write(connection, problem_response(*problem), false);
+        Response response = problem_response(*problem);
+        response.headers.add("X-Request-Id", fresh_request_id());
+        co_await write(connection, response, false);
     }
     if (connection.stream->socket().is_open()) co_await linger(connection);
 }
