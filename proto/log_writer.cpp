@@ -42,6 +42,7 @@ void require_rows_of(const LogLayout& layout, std::span<const IndexRow> rows) {
 struct LogWriter::State {
     std::uint64_t log_id = 0;
     ByteSink on_bytes;
+    ColourCoding colour_coding;
     std::optional<RefinableMesh> replica;
     std::optional<ColourState> colours;
     bool has_base_colours = false;
@@ -78,12 +79,15 @@ struct LogWriter::State {
                 const DistortionPoint& distortion, std::vector<Outgoing>& frames);
 };
 
-LogWriter::LogWriter(std::uint64_t log_id, ByteSink on_bytes) : state_(std::make_unique<State>()) {
+LogWriter::LogWriter(std::uint64_t log_id, ByteSink on_bytes, const ColourCoding& colour)
+    : state_(std::make_unique<State>()) {
     state_->log_id = log_id;
+    state_->colour_coding = colour;
     state_->on_bytes = std::move(on_bytes);
 }
 
-LogWriter::LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes)
+LogWriter::LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes,
+                     double bit_price)
     : state_(std::make_unique<State>()) {
     State& s = *state_;
     const LogLayout layout = read_layout(front);
@@ -93,6 +97,7 @@ LogWriter::LogWriter(std::span<const std::byte> front, std::span<const IndexRow>
     ModelDecoder decoder;
     decoder.feed(front);
     s.log_id = layout.header.log_id;
+    s.colour_coding = {.steps = layout.header.colour_steps, .bit_price = bit_price};
     s.on_bytes = std::move(on_bytes);
     s.replica = *decoder.state();
     s.colours = *decoder.colours();
@@ -112,6 +117,7 @@ BaseMesh LogWriter::start(const Grid& grid, const RefinementRules& rules, const 
     header.log_id = s.log_id;
     header.grid = grid;
     header.rules = rules;
+    header.colour_steps = s.colour_coding.steps;
     header.n_base_vertices = static_cast<std::uint32_t>(checked.n_vertices());
     header.n_base_faces = static_cast<std::uint32_t>(checked.n_faces());
     const std::vector<std::byte> header_bytes = encode_header(header);
@@ -139,7 +145,7 @@ void LogWriter::base_attributes(std::span<const Rgb8> colours, const DistortionP
     }
     std::vector<ColourResidual> residuals;
     s.colours->correct_base(*s.replica, [&](std::size_t v, const Rgb8& prediction) {
-        return residuals.emplace_back(s.colours->quantise(prediction, colours[v]));
+        return residuals.emplace_back(s.colours->quantise(prediction, colours[v], s.colour_coding.bit_price));
     });
     s.has_base_colours = true;
     s.send(s.frame({.type = FrameType::colour, .flags = frame_flag_ancillary, .state_hash = s.colours->hash()},
@@ -169,7 +175,7 @@ void LogWriter::State::packet(std::span<const SplitRecord> records, std::span<co
     if (new_colours.empty()) return;
     std::vector<ColourResidual> residuals;
     colours->correct(before, ends, [&](std::size_t i, const Rgb8& prediction) {
-        return residuals.emplace_back(colours->quantise(prediction, new_colours[i]));
+        return residuals.emplace_back(colours->quantise(prediction, new_colours[i], colour_coding.bit_price));
     });
     info.type = FrameType::colour;
     info.flags = frame_flag_ancillary;

@@ -7,12 +7,20 @@
 #include <vector>
 
 #include "core/progressive/model_sink.h"
+#include "proto/header.h"
 #include "proto/index.h"
 
 namespace anyrate {
 
 /// Takes the next bytes of a log; called once per whole header or frame. It may throw IoError.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
+
+/// How colours are rounded. On four reconstructions of 10,000 vertices the default takes 6.6 to 8.9 bits a vertex at a
+/// mean error of 2 of 255; steps of 4 and 6 without a price took 9.2 to 11.5 at 1.35.
+struct ColourCoding {
+    ColourSteps steps{.luma = 6, .chroma = 10};
+    double bit_price = 4;  ///< mean squared error of the three channels that a bit is worth; 0: to the nearest
+};
 
 /// Encodes a model as it is made: header, base, colours, then refine and colour frames, each handed to the byte sink as
 /// soon as it is whole (the live form of proto/FORMAT.md, no index). After each frame rows() has one more row.
@@ -22,13 +30,15 @@ class LogWriter final : public ModelSink {
 public:
     /// @param log_id   identity of the model, also its ETag; any value
     /// @param on_bytes receives the live log, in order
-    LogWriter(std::uint64_t log_id, ByteSink on_bytes);
+    LogWriter(std::uint64_t log_id, ByteSink on_bytes, const ColourCoding& colour = {});
     /// Goes on behind a batch, or behind the base's attributes, of a live log that another writer began: the sink gets
     /// what comes next.
     /// @param front  the log up to there, from its first byte
     /// @param rows   of its frames, as that writer gave them
+    /// @param bit_price  of colours, as that writer had it; their steps stand in the log
     /// @throws DecodeError if `front` is no such log, or the rows are not those of its frames
-    LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes);
+    LogWriter(std::span<const std::byte> front, std::span<const IndexRow> rows, ByteSink on_bytes,
+              double bit_price = ColourCoding{}.bit_price);
     ~LogWriter() override;
 
     BaseMesh start(const Grid& grid, const RefinementRules& rules, const BaseMesh& base) override;

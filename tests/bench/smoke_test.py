@@ -43,6 +43,20 @@ class Smoke(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.folder, ignore_errors=True)
 
+    def test_both_readers_are_timed(self):
+        log = HERE.parent / "golden" / "icosphere.arl"
+        commands = [[BUILD / "bench" / "replay", log, "--seconds", "0"]]
+        web = HERE.parents[1] / "web"
+        if shutil.which("node") and (web / "dist").is_dir() and (web / "node_modules").is_dir():
+            commands.append(["node", HERE / "replay.mjs", log, "--seconds", "0"])
+        for command in commands:
+            done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            result = json.loads(done.stdout)
+            self.assertEqual((result["log"]["splits"], result["log"]["vertices"]), (425, 1317))
+            self.assertGreater(result["packet"]["milliseconds"], 0)
+            self.assertTrue(all(rate > 0 for rate in result["replay"].values()))
+
     def test_paper_measures_all_methods_and_draws_them(self):
         out = self.folder / "paper"
         fig7 = ["--iterations-at", 300, "--iterations-of", "torus"]

@@ -90,8 +90,10 @@ std::vector<std::int32_t> choose_faces(const RefinableMesh& mesh, int n_wanted) 
 SampleLog log_of_batches(const Grid& grid, const BaseMesh& base, const SampleOptions& options,
                          const std::function<std::vector<std::int32_t>(const RefinableMesh&)>& choose) {
     std::vector<std::byte> bytes;
-    LogWriter writer(options.log_id,
-                     [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); });
+    const ColourCoding to_the_nearest{.steps = {.luma = 4, .chroma = 6}, .bit_price = 0};
+    LogWriter writer(
+        options.log_id, [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); },
+        to_the_nearest);
     const RefinementRules rules;
     RefinableMesh mesh(writer.start(grid, rules, base), grid, rules);
     std::vector<Rgb8> wished;

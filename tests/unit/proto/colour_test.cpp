@@ -50,6 +50,26 @@ TEST_CASE("Colours: the error is bounded by the steps, and does not grow from pr
         REQUIRE(largest_difference(colours.colours()[v], wished[v]) <= 2 + 3 + 2);
 }
 
+TEST_CASE("Colours: where bits have a price, residuals shrink for little more error") {
+    const ColourState colours({6, 10});
+    const auto wished = random_colours(2000);
+    const Rgb8 grey{128, 128, 128};
+    const auto magnitude = [](const ColourResidual& r) {
+        return std::abs(r.luma) + std::abs(r.orange) + std::abs(r.green);
+    };
+    int cheaper = 0;
+    for (const Rgb8& colour : wished) {
+        const ColourResidual nearest = colours.quantise(grey, colour), priced = colours.quantise(grey, colour, 4);
+        REQUIRE(std::abs(priced.luma - nearest.luma) <= 2);
+        REQUIRE(std::abs(priced.orange - nearest.orange) <= 2);
+        REQUIRE(std::abs(priced.green - nearest.green) <= 2);
+        cheaper += magnitude(priced) < magnitude(nearest) ? 1 : 0;
+    }
+    CHECK(cheaper > 400);
+    CHECK(colours.quantise(grey, {132, 132, 132}, 1000) == ColourResidual{0, 0, 0});
+    CHECK(colours.quantise(grey, {132, 132, 132}) == ColourResidual{1, 0, 0});
+}
+
 TEST_CASE("Colours: a base vertex is predicted from its lower-numbered neighbours, the first one as grey") {
     const RefinableMesh base(samples::octahedron(grid), grid, {});
     std::vector<Rgb8> predictions;
