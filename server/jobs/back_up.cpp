@@ -50,19 +50,32 @@ std::optional<std::uint64_t> copy_bytes(const fs::path& from, const fs::path& to
     return n_copied;
 }
 
-/// Files of captures that arrive one by one, and other files that stand beside the catalog.
+/// Copies what is below a folder, but for what goes meanwhile. Files before folders: the list of a capture, which
+/// speaks of its files, before them.
+void copy_folder(const fs::path& from, const fs::path& to, BackUp& done) {
+    fs::create_directories(to);
+    std::vector<fs::path> folders;
+    std::error_code error;
+    for (fs::directory_iterator entry(from, error), end; !error && entry != end; entry.increment(error)) {
+        std::error_code gone;
+        if (entry->is_directory(gone))
+            folders.push_back(entry->path().filename());
+        else if (entry->is_regular_file(gone))
+            done.n_bytes += copy_bytes(entry->path(), to / entry->path().filename()).value_or(0);
+    }
+    if (error && error != std::errc::no_such_file_or_directory) throw fs::filesystem_error("cannot list", from, error);
+    for (const fs::path& folder : folders) copy_folder(from / folder, to / folder, done);
+}
+
+/// Files of captures that arrive one by one, and whatever else stands beside catalog and models.
 void copy_rest(const fs::path& data, const fs::path& target, BackUp& done) {
     for (const auto& entry : fs::directory_iterator(data)) {
         const std::string name = entry.path().filename().string();
-        if (entry.is_regular_file() && name != "lock" && !name.starts_with("catalog.sqlite"))
+        if (name == "models" || name == "uploads" || name == "lock" || name.starts_with("catalog.sqlite")) continue;
+        if (entry.is_directory())
+            copy_folder(entry.path(), target / name, done);
+        else
             done.n_bytes += copy_bytes(entry.path(), target / name).value_or(0);
-    }
-    for (const auto& entry : fs::recursive_directory_iterator(data)) {
-        const fs::path inside = entry.path().lexically_relative(data);
-        const std::string top = inside.begin()->string();
-        if (top == "models" || top == "uploads" || !inside.has_parent_path() || !entry.is_regular_file()) continue;
-        fs::create_directories((target / inside).parent_path());
-        done.n_bytes += copy_bytes(entry.path(), target / inside).value_or(0);
     }
 }
 

@@ -81,9 +81,13 @@ TEST_CASE("Encode mesh: the vertices' colours travel along") {
     for (const Vec3& v : mesh.vertices) mesh.colours.push_back({static_cast<std::uint8_t>(127 + 100 * v.x()), 60, 200});
     const Mesh decoded = decode_mesh(encode(mesh, {.n_vertices = 600, .n_coarse = 150}).log, VertexBudget{600});
     REQUIRE(decoded.colours.size() == decoded.vertices.size());
-    for (std::size_t v = 0; v < decoded.vertices.size(); ++v)
-        CHECK(std::abs(decoded.colours[v].r - (127 + 100 * decoded.vertices[v].normalized().x())) <
-              8);  // steps are 4, 6
+    double sum = 0;
+    for (std::size_t v = 0; v < decoded.vertices.size(); ++v) {
+        const double error = std::abs(decoded.colours[v].r - (127 + 100 * decoded.vertices[v].normalized().x()));
+        CHECK(error < 16);
+        sum += error;
+    }
+    CHECK(sum / static_cast<double>(decoded.vertices.size()) < 3);
 }
 
 TEST_CASE("Encode mesh: a stop leaves a valid model that ends at the batch") {

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <atomic>
+#include <stop_token>
 #include <thread>
 
 #include "core/error.h"
@@ -94,9 +94,8 @@ TEST_CASE("Backup: of a job that was copied while it ran goes on in the copy, to
 TEST_CASE("Backup: whatever is written, finished and deleted meanwhile, what the copy lists is whole") {
     Fixture f;
     for (int i = 0; i < 10; ++i) f.finished();
-    std::atomic<bool> stop = false;
-    std::thread busy([&] {
-        for (int i = 0; !stop; ++i) {
+    std::jthread busy([&](const std::stop_token& stop) {
+        for (int i = 0; !stop.stop_requested(); ++i) {
             const std::string id = f.finished();
             if (i % 2 == 0) continue;
             f.catalog.remove(id);
@@ -115,8 +114,6 @@ TEST_CASE("Backup: whatever is written, finished and deleted meanwhile, what the
             if (model.state == ModelState::done) CHECK(verify_log(read_file(store.paths(model.id).sealed_log)) > 0);
         }
     }
-    stop = true;
-    busy.join();
 }
 
 TEST_CASE("Backup: an existing folder is not touched, and what is no data directory is refused") {
