@@ -12,7 +12,7 @@ class Reader(threading.Thread):
     """Fetches the log again and again; counts what is whole and what is not."""
 
     def __init__(self, server, model, log, pause):
-        super().__init__()
+        super().__init__(daemon=True)  # a test that fails must end
         self.server, self.model, self.log, self.pause = server, model, log, pause
         self.n_whole = self.n_truncated = self.n_refused = 0
         self.is_over = False

@@ -17,7 +17,7 @@ class Uploader(threading.Thread):
     """Posts the capture again and again, to whichever server is there."""
 
     def __init__(self, body, most):
-        super().__init__()
+        super().__init__(daemon=True)  # a test that fails must end
         self.body, self.most = body, most
         self.address = None
         self.acknowledged = []

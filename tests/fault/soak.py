@@ -15,7 +15,7 @@ import support
 
 class Client(threading.Thread):
     def __init__(self, harness, server, models, archive, seed, end):
-        super().__init__()
+        super().__init__(daemon=True)  # a test that fails must end
         self.harness, self.server, self.models, self.archive = harness, server, models, archive
         self.random, self.end = random.Random(seed), end
         self.n_requests, self.errors = 0, []
