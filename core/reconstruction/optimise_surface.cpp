@@ -171,14 +171,6 @@ bool has_guessed_corner(const Triangle& t, std::span<const char> is_guessed) {
     return !is_guessed.empty() && std::ranges::any_of(t, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
 }
 
-std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> active) {
-    std::vector<std::int32_t> faces;
-    for (std::int32_t v : active) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    return faces;
-}
-
 }  // namespace
 
 bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,

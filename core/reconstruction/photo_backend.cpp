@@ -2,13 +2,18 @@
 
 namespace anyrate {
 
+TriangleQuery query_of(const SurfaceView& surface, std::int32_t face) {
+    TriangleQuery query{.face = face, .corners = {}};
+    const Triangle& t = surface.triangles[static_cast<std::size_t>(face)];
+    for (std::size_t k = 0; k < 3; ++k) query.corners[k] = surface.vertices[static_cast<std::size_t>(t[k])];
+    return query;
+}
+
 std::vector<TriangleQuery> whole_surface(const SurfaceView& surface) {
-    std::vector<TriangleQuery> batch(surface.triangles.size());
-    for (std::size_t f = 0; f < batch.size(); ++f) {
-        batch[f].face = static_cast<std::int32_t>(f);
-        for (std::size_t k = 0; k < 3; ++k)
-            batch[f].corners[k] = surface.vertices[static_cast<std::size_t>(surface.triangles[f][k])];
-    }
+    std::vector<TriangleQuery> batch;
+    batch.reserve(surface.triangles.size());
+    for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.triangles.size()); ++f)
+        batch.push_back(query_of(surface, f));
     return batch;
 }
 

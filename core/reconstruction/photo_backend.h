@@ -58,6 +58,9 @@ public:
 /// The reference implementation, on oneTBB. `images` must outlive it.
 std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images, Sampling sampling = Sampling::adaptive);
 
+/// A face of the surface where it stands.
+TriangleQuery query_of(const SurfaceView& surface, std::int32_t face);
+
 /// Every face of the surface where it stands, in order.
 std::vector<TriangleQuery> whole_surface(const SurfaceView& surface);
 

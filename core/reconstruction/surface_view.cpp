@@ -53,6 +53,14 @@ std::vector<Vec3> vertex_normals(const SurfaceView& surface, const OneRings& rin
     return normals;
 }
 
+std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> vertices) {
+    std::vector<std::int32_t> faces;
+    for (std::int32_t v : vertices) faces.insert(faces.end(), rings.faces(v).begin(), rings.faces(v).end());
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+}
+
 std::vector<double> mean_edge_lengths(const SurfaceView& surface, const OneRings& rings) {
     std::vector<double> lengths(surface.vertices.size(), 0.0);
     parallel_for(lengths.size(), [&](std::size_t v) {

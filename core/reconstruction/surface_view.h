@@ -44,6 +44,9 @@ private:
 /// Outward unit normals, area-weighted over the one-ring; a vertex without area gets a zero vector.
 std::vector<Vec3> vertex_normals(const SurfaceView& surface, const OneRings& rings);
 
+/// The faces of some vertices' one-rings, ascending, each once.
+std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> vertices);
+
 /// Mean edge length around each vertex, world units.
 std::vector<double> mean_edge_lengths(const SurfaceView& surface, const OneRings& rings);
 
