@@ -16,6 +16,7 @@ constexpr int most_trials = 4;          ///< of a step, each damped eight times 
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
 constexpr double noisy_psi = 600;       ///< where smoothness counts twice and silhouettes thrice
+constexpr double noisy_bending = 0.04;  ///< added to the weight of bending there
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
 
@@ -120,7 +121,7 @@ private:
             n_with_evidence += curvature[at(v)] > 0 ? 1 : 0;
         }
         const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0;
-        bending_ = options_.bending * mean * (1 + noise);
+        bending_ = (options_.bending + noisy_bending * noise) * mean;
         rest_ = umbrellas({vertices_, triangles_}, rings_, normals_, active_);
         for (std::size_t i = 0; i < active_.size(); ++i)
             rest_[i] *= 1 - curvature[at(active_[i])] / (curvature[at(active_[i])] + weak_evidence * mean);
