@@ -16,7 +16,9 @@ namespace anyrate {
 /// Takes the next bytes of a log; called once per whole header or frame. It may throw IoError.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
 
-/// How colours are rounded. @@
+/// How colours are rounded. On four reconstructions of 10,000 vertices the default takes 6.0 to 8.5 bits a vertex at a
+/// mean error of 2.0 of 255 (tests/bench/colour_rate). Steps of 5 and 10, or bits counted as each packet's own tables
+/// would have them, would take 1 to 2 % less; a price on absolute instead of squared errors, 1 %.
 struct ColourCoding {
     ColourSteps steps{.luma = 6, .chroma = 10};
     double bit_price = 1.8;  ///< mean squared error of the three channels that a bit is worth; 0: to the nearest
