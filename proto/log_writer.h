@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,11 +16,12 @@ namespace anyrate {
 /// Takes the next bytes of a log; called once per whole header or frame. It may throw IoError.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
 
-/// How colours are rounded. On four reconstructions of 10,000 vertices the default takes 6.6 to 8.9 bits a vertex at a
-/// mean error of 2 of 255; steps of 4 and 6 without a price took 9.2 to 11.5 at 1.35.
+/// How colours are rounded. On four reconstructions of 10,000 vertices the default takes 6.0 to 8.5 bits a vertex at a
+/// mean error of 2.0 of 255 (tests/bench/colour_rate). Steps of 5 and 10, or bits counted as each packet's own tables
+/// would have them, would take 1 to 2 % less; a price on absolute instead of squared errors, 1 %.
 struct ColourCoding {
     ColourSteps steps{.luma = 6, .chroma = 10};
-    double bit_price = 4;  ///< mean squared error of the three channels that a bit is worth; 0: to the nearest
+    double bit_price = 1.8;  ///< mean squared error of the three channels that a bit is worth; 0: to the nearest
 };
 
 /// Encodes a model as it is made: header, base, colours, then refine and colour frames, each handed to the byte sink as
@@ -57,12 +59,19 @@ private:
 };
 
 struct SealOptions {
-    /// Neighbouring packets become one of up to so many splits; 0 leaves every frame as it is. Large packets spare
-    /// Draco's tables and our frames, but a budget is answered with whole ones. On three logs of 10,000 to 100,000
-    /// vertices 512 takes 1 to 7 % off the whole and 1 to 3 % off the mean prefix; 2048 would take 4 to 11 % off the
-    /// whole, but add 11 % to the mean prefix of the smallest.
-    std::uint32_t splits_per_packet = 512;
+    /// Neighbouring packets become one of up to so many splits; 0 leaves every frame as it is.
+    std::uint32_t splits_per_packet = 2048;
+    /// What a byte of the whole log counts beside one of the expected prefix (plan_packets). Large packets spare
+    /// Draco's tables and our frames, but a budget is answered with whole ones. Beside the live logs of four
+    /// reconstructions of 10,000 vertices 0.5 takes 5 to 9 % off the whole and 0.5 to 2 % off the mean prefix; packets of
+    /// up to 1,024 splits would take 8 to 11 % off the whole and add 5 to 11 %. Infinite: only the whole counts.
+    double whole_weight = 0.5;
 };
+
+/// As few packets as a number of splits allows, whatever that does to prefixes.
+inline SealOptions largest_packets(std::uint32_t splits_per_packet) {
+    return {.splits_per_packet = splits_per_packet, .whole_weight = std::numeric_limits<double>::infinity()};
+}
 
 /// The sealed form of a live log: the same refinements in fewer packets, with the index right behind the header and an
 /// end frame. A live log that ends early is sealed at its last whole frame (with its colours, if they are there).

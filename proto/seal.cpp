@@ -8,6 +8,7 @@
 #include "proto/colour_codec.h"
 #include "proto/log_reader.h"
 #include "proto/log_writer.h"
+#include "proto/packet_plan.h"
 #include "proto/refine_codec.h"
 
 namespace anyrate {
@@ -20,17 +21,6 @@ struct Packet {
     std::optional<FrameInfo> colour;
 };
 
-/// The first packets that become one: so many splits at most, and all with colours or all without, for a colour frame
-/// has those of a whole packet. At least one.
-std::span<const Packet> joinable(std::span<const Packet> packets, std::uint32_t max_splits) {
-    std::size_t n = 1;
-    for (std::uint32_t n_splits = packets[0].refine.n_splits; n < packets.size(); ++n) {
-        n_splits += packets[n].refine.n_splits;
-        if (n_splits > max_splits || packets[n].colour.has_value() != packets[0].colour.has_value()) break;
-    }
-    return packets.first(n);
-}
-
 /// The mean and largest distortion at a number of vertices.
 std::optional<IndexRow> row_at(std::span<const IndexRow> rows, std::uint32_t n_vertices) {
     const auto row = std::ranges::lower_bound(rows, n_vertices, {}, &IndexRow::n_vertices);
@@ -41,7 +31,7 @@ std::optional<IndexRow> row_at(std::span<const IndexRow> rows, std::uint32_t n_v
 class Repacker {
 public:
     Repacker(std::span<const std::byte> live, const Header& header, const SealOptions& options)
-        : live_(live), header_(header), max_splits_(std::min(options.splits_per_packet, max_splits_per_frame)) {}
+        : live_(live), header_(header), options_(options) {}
 
     void take(const FrameInfo& frame) {
         if (frame.type == FrameType::refine) {
@@ -56,10 +46,16 @@ public:
 
     /// Writes the packets that wait for more to join them.
     void flush() {
-        for (std::span<const Packet> rest(waiting_); !rest.empty();) {
-            const auto joined = joinable(rest, max_splits_);
-            put_packets(joined);
-            rest = rest.subspan(joined.size());
+        std::vector<LivePacket> packets;
+        for (const auto& [refine, colour] : waiting_) {
+            const auto n_bytes = static_cast<std::uint32_t>(frame_header_size) + refine.payload_bytes;
+            packets.push_back({refine.n_vertices_before, refine.n_splits, n_bytes, colour.has_value()});
+        }
+        std::span<const Packet> rest(waiting_);
+        const std::uint32_t most = std::min(options_.splits_per_packet, max_splits_per_frame);
+        for (const std::size_t n : plan_packets(packets, most, options_.whole_weight)) {
+            put_packets(rest.first(n));
+            rest = rest.subspan(n);
         }
         waiting_.clear();
     }
@@ -147,7 +143,7 @@ private:
 
     std::span<const std::byte> live_;
     const Header& header_;
-    std::uint32_t max_splits_;
+    SealOptions options_;
     std::vector<Packet> waiting_;
     std::int32_t previous_face_ = no_previous_face;
     std::uint32_t next_sequence_ = 0;

@@ -57,7 +57,9 @@ void send_preview(ModelSink& sink, const VisualHull& hull, const PhotoImages& im
     const Grid grid = make_grid(mesh, mesh.n_vertices());
     const RefinementRules rules;
     const RefinableMesh state(preview->start(frame.in_world(grid), rules, to_base(mesh, grid)), grid, rules);
-    preview->base_attributes(vertex_colours(images, state.to_mesh()), {unknown, unknown});
+    const Mesh as_decoded = state.to_mesh();
+    preview->base_attributes(vertex_colours(images, as_decoded, vertex_spacing(as_decoded, state.n_vertices())),
+                             {unknown, unknown});
 }
 
 /// What step 1 leaves to the others.
@@ -183,7 +185,8 @@ RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFra
                         PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
     const RefinementRules rules;
     RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
-    sink.base_attributes(vertex_colours(images, state.to_mesh()),
+    const Mesh as_decoded = state.to_mesh();
+    sink.base_attributes(vertex_colours(images, as_decoded, vertex_spacing(as_decoded, options.n_vertices)),
                          measure_state(backend, state, refine_options(options).samples_per_px).point);
     return state;
 }

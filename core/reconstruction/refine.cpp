@@ -343,7 +343,8 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
         std::vector<std::int32_t> added(static_cast<std::size_t>(state.n_vertices() - n_before));
         std::iota(added.begin(), added.end(), n_before);
         const Mesh refined = state.to_mesh();
-        sink.batch(records, state, vertex_colours(images, refined, added), now.point);
+        sink.batch(records, state, vertex_colours(images, refined, vertex_spacing(refined, options.n_vertices), added),
+                   now.point);
         if (progress) progress(curve.back());
     }
     return curve;

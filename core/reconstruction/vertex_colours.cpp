@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
+#include "core/mesh/triangle_shape.h"
 #include "core/parallel.h"
 #include "core/reconstruction/visibility.h"
 
@@ -15,8 +17,34 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 using Colour = Eigen::Vector3d;
 
+/// How wide a part of a photograph makes a colour, in parts of the distance to the next vertex. At 10,000 vertices of
+/// four captures 0.5 lowers the root mean square difference between the painted mesh and the photographs by 1 to 3 %,
+/// beside single points, and the colours' bytes by 4 to 9 %; 1 lowers them by 12 to 22 %, but adds 4 to 14 % to the
+/// mean difference of the synthetic ones.
+constexpr double width_in_spacings = 0.5;
+
+/// Mean colour of the photograph around the image of a point.
+/// @param width_px  of the part of the photograph that counts, pixels of level 0
+std::optional<Colour> blurred_colour(const PhotoView& view, const Vec3& p, double width_px) {
+    const double level = std::clamp(std::log2(std::max(width_px, 1.0)), 0.0, view.levels.size() - 1.0);
+    const auto at_level = [&](std::size_t l) -> std::optional<Colour> {
+        const PhotoLevel& image = view.levels[l];
+        const Vec3 x = image.P * p.homogeneous();
+        ColourSample c;
+        if (!sample_colour(image, x.x() / x.z(), x.y() / x.z(), c)) return std::nullopt;
+        return Colour(c.c[0], c.c[1], c.c[2]);
+    };
+    const auto finer = static_cast<std::size_t>(level);
+    const std::optional<Colour> fine = at_level(finer);
+    if (!fine) return finer > 0 ? blurred_colour(view, p, 0.5 * width_px) : std::nullopt;  // near the silhouette
+    const double part = level - static_cast<double>(finer);
+    if (part == 0) return fine;
+    const std::optional<Colour> coarse = at_level(finer + 1);
+    return coarse ? Colour((1 - part) * *fine + part * *coarse) : fine;
+}
+
 std::optional<Colour> seen_colour(const PhotoImages& images, const Visibility& visibility, const SurfaceView& surface,
-                                  const OneRings& rings, const Vec3& normal, std::int32_t v) {
+                                  const OneRings& rings, const Vec3& normal, double spacing, std::int32_t v) {
     Colour sum = Colour::Zero();
     double weight = 0;
     for (std::int32_t i = 0; i < images.n_views(); ++i) {
@@ -31,10 +59,10 @@ std::optional<Colour> seen_colour(const PhotoImages& images, const Visibility& v
                                [i](const FaceView& fv) { return fv.view == i && fv.whole; });
         };
         if (std::none_of(ring.begin(), ring.end(), sees)) continue;
-        const Vec3 x = view.levels.front().P * p.homogeneous();
-        ColourSample c;
-        if (!sample_colour(view.levels.front(), x.x() / x.z(), x.y() / x.z(), c)) continue;
-        sum += cos_theta * Colour(c.c[0], c.c[1], c.c[2]);
+        const double width_px = width_in_spacings * spacing * cos_theta * view.focal_px / (view.centre - p).norm();
+        const std::optional<Colour> c = blurred_colour(view, p, width_px);
+        if (!c) continue;
+        sum += cos_theta * *c;
         weight += cos_theta;
     }
     if (weight == 0) return std::nullopt;
@@ -71,11 +99,22 @@ Rgb8 to_rgb8(const Colour& c) {
 
 }  // namespace
 
-std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& surface,
+double vertex_spacing(const SurfaceView& surface, int n_vertices) {
+    double area = 0;
+    for (const auto& [a, b, c] : surface.triangles)
+        area +=
+            0.5 * twice_area_vector(surface.vertices[at(a)], surface.vertices[at(b)], surface.vertices[at(c)]).norm();
+    // A vertex of a plane of equilateral triangles has sqrt(3) / 2 squared edges for itself.
+    return std::sqrt(area / n_vertices * 2 / std::sqrt(3.0));
+}
+
+std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& surface, double spacing,
                                  std::span<const std::int32_t> vertices) {
     const OneRings rings(surface);
     const std::vector<Vec3> normals = vertex_normals(surface, rings);
     const Visibility visibility(images, surface);
+    std::vector<double> spacings = mean_edge_lengths(surface, rings);
+    for (double& x : spacings) x = std::min(x, spacing);
     std::vector<std::optional<Colour>> colours(surface.vertices.size());
     std::vector<std::int32_t> all(colours.size());
     std::iota(all.begin(), all.end(), 0);
@@ -83,7 +122,7 @@ std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& s
     const auto look_at = [&](std::span<const std::int32_t> some) {
         parallel_for(some.size(), [&](std::size_t i) {
             const std::int32_t v = some[i];
-            colours[at(v)] = seen_colour(images, visibility, surface, rings, normals[at(v)], v);
+            colours[at(v)] = seen_colour(images, visibility, surface, rings, normals[at(v)], spacings[at(v)], v);
         });
     };
     look_at(vertices);

@@ -116,6 +116,24 @@ class Smoke(unittest.TestCase):
         self.assertEqual(xml.dom.minidom.parse(str(out / "rate_distortion_torus_true.svg")).documentElement.tagName, "svg")
         self.assertEqual(len((out / "rate_distortion_torus_true.csv").read_text().splitlines()), 3)
 
+    def test_colours_are_weighed_against_those_wished_and_the_photographs(self):
+        def tool(name, *arguments):
+            done = subprocess.run([str(word) for word in (BUILD / "bench" / name, *arguments)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return json.loads(done.stdout)
+
+        counts = ["--vertices", 600, "--coarse", 250]
+        coarse, fine = (tool("colour_rate", self.capture, *counts, "--luma", step, "--chroma", step) for step in (30, 2))
+        self.assertGreater(fine["bits_per_vertex"], coarse["bits_per_vertex"])
+        self.assertLess(fine["mean_error"], coarse["mean_error"])
+        model, mesh = self.folder / "coloured.arl", self.folder / "coloured.ply"
+        for command in (["reconstruct", self.capture, "-o", model, "--quiet", *counts], ["decode", model, "-o", mesh]):
+            subprocess.run([str(word) for word in (BUILD / "anyrate", *command)], check=True, stdout=subprocess.PIPE)
+        told = tool("photo_difference", mesh, self.capture)
+        self.assertGreater(told["pixels"], 1000)
+        self.assertGreaterEqual(told["rms"], told["mean"])
+        self.assertLess(told["mean"], 40)
+
     def test_ablation_can_switch_off_every_technique(self):
         """Only that its edits still find their line: building a variant of the sources takes minutes."""
         for technique in ablation.TECHNIQUES:

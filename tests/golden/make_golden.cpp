@@ -57,7 +57,7 @@ void make_golden(const std::string& folder) {
     const samples::SampleLog sample = samples::icosphere_log();
     const std::vector<std::byte> sealed = seal_log(sample.live, sample.rows, {.splits_per_packet = 0});
     write_file(folder + "/icosphere.arl", sealed);
-    write_file(folder + "/icosphere-packed.arl", seal_log(sample.live, sample.rows, {.splits_per_packet = 128}));
+    write_file(folder + "/icosphere-packed.arl", seal_log(sample.live, sample.rows, largest_packets(128)));
     std::string json;
     for (const std::uint32_t budget :
          {42u, 44u, 45u, 100u, 101u, 102u, 103u, 250u, 333u, 500u, 777u, 1000u, 1000000u}) {

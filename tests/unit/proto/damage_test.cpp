@@ -40,7 +40,7 @@ void check_is_prefix(const std::optional<Mesh>& mesh, const std::vector<Mesh>& p
 std::vector<std::vector<std::byte>> larger_logs() {
     const samples::SampleLog sample = samples::icosphere_log();
     return {seal_log(sample.live, sample.rows, {.splits_per_packet = 0}),
-            seal_log(sample.live, sample.rows, {.splits_per_packet = 128})};
+            seal_log(sample.live, sample.rows, largest_packets(128))};
 }
 
 void check_are_first_frames(const LogLayout& layout, const LogLayout& sound) {
@@ -191,10 +191,10 @@ TEST_CASE("Damage: a wrong state hash is found though every checksum is right") 
 }
 
 TEST_CASE("Damage: an index that tells other frames than there are is rejected") {
-    auto rows = testing::small_log().rows;
-    const auto sealed = seal_log(testing::small_log().live, rows);
+    const auto sealed = seal_log(testing::small_log().live, testing::small_log().rows);
     const LogLayout layout = read_layout(sealed);
-    rows[3].end += 1;
+    auto rows = layout.index;
+    rows.back().end += 1;
     std::vector<std::byte> forged(sealed.begin(), sealed.begin() + header_size);
     const auto index = encode_frame(layout.frames[0], encode_index_rows(rows));
     forged.insert(forged.end(), index.begin(), index.end());

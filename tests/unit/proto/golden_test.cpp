@@ -93,7 +93,7 @@ TEST_CASE("Golden: today's writer writes the recorded bytes") {
     CHECK(samples::octahedron_log().live == read_bytes("octahedron.arl"));
     const auto sample = samples::icosphere_log();
     CHECK(seal_log(sample.live, sample.rows, {.splits_per_packet = 0}) == read_bytes("icosphere.arl"));
-    CHECK(seal_log(sample.live, sample.rows, {.splits_per_packet = 128}) == read_bytes("icosphere-packed.arl"));
+    CHECK(seal_log(sample.live, sample.rows, largest_packets(128)) == read_bytes("icosphere-packed.arl"));
 }
 
 TEST_CASE("Golden: the bytes listed in FORMAT.md are those of the file") {

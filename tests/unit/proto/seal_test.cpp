@@ -38,7 +38,7 @@ TEST_CASE("Sealing: packets left as they are are those of the live log, byte for
 
 TEST_CASE("Sealing: neighbouring packets become one, with the hashes and distortions of the last") {
     const auto& live = small_log().live;  // six batches of at most 8 splits
-    const auto sealed = seal_log(live, small_log().rows, {.splits_per_packet = 24});
+    const auto sealed = seal_log(live, small_log().rows, largest_packets(24));
     CHECK(verify_log(sealed) < read_layout(live).frames.size());
     CHECK(sealed.size() < seal_log(live, small_log().rows, as_they_are).size());
     const LogLayout layout = read_layout(sealed);
@@ -78,7 +78,7 @@ TEST_CASE("Sealing: batches of some hundred splits become one packet") {
     const Grid grid = samples::unit_grid(12);
     const BaseMesh base = samples::icosphere(grid, 4);  // 2562 vertices, 5120 faces
     const auto sample = samples::make_log(grid, base, {.n_batches = 3, .splits_per_batch = 200});
-    const auto packed = seal_log(sample.live, sample.rows, {.splits_per_packet = 2048});
+    const auto packed = seal_log(sample.live, sample.rows, largest_packets(2048));
     CHECK(frames_of_type(read_layout(packed), FrameType::refine).size() == 1);
     CHECK_NOTHROW(verify_log(packed));
     CHECK(same_mesh(decode_mesh(packed, VertexBudget{2900}), decode_mesh(sample.live, VertexBudget{2900})));
@@ -115,8 +115,8 @@ TEST_CASE("Sealing: rows that are missing have unknown distortion") {
 }
 
 TEST_CASE("Sealing: the rows of the sealed form are as good as those of the live one") {
-    const auto sealed = seal_log(small_log().live, small_log().rows, {.splits_per_packet = 24});
-    CHECK(seal_log(small_log().live, read_layout(sealed).index, {.splits_per_packet = 24}) == sealed);
+    const auto sealed = seal_log(small_log().live, small_log().rows, largest_packets(24));
+    CHECK(seal_log(small_log().live, read_layout(sealed).index, largest_packets(24)) == sealed);
 }
 
 TEST_CASE("Sealing: what is no live log with a base is refused") {

@@ -183,8 +183,8 @@ TEST_CASE("Log writer: what cannot be continued is refused") {
         CHECK_THROWS_AS(LogWriter(front, rows, [](std::span<const std::byte>) {}), DecodeError);
     };
     const std::size_t end = layout.frames[1].end();
-    CHECK_NOTHROW(LogWriter(std::span(log.live).first(end), std::span(layout.index).first(2),
-                            [](std::span<const std::byte>) {}));
+    CHECK_NOTHROW(
+        LogWriter(std::span(log.live).first(end), std::span(layout.index).first(2), [](std::span<const std::byte>) {}));
     refused(std::span(log.live).first(end), std::span(layout.index).first(1));
     refused(std::span(log.live).first(end - 1), std::span(layout.index).first(2));
     refused(std::span(log.live).first(header_size), {});
