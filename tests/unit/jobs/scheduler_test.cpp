@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <future>
 #include <mutex>
@@ -88,6 +89,16 @@ TEST_CASE("Scheduler: a worker that dies is started again, up to the limit") {
     const ModelRecord model = f.run("kill -9 $$");
     CHECK(model.state == ModelState::failed);
     CHECK(model.error == "the worker process ended with signal 9");
+}
+
+TEST_CASE("Scheduler: a worker does not learn the server's token") {
+    Fixture f;
+    ::setenv("ANYRATE_TOKEN", "secret", 1);
+    ::setenv("ANYRATE_OTHER", "thing", 1);
+    const ModelRecord model = f.run("[ -z \"$ANYRATE_TOKEN\" ] && [ \"$ANYRATE_OTHER\" = thing ] && " + done);
+    ::unsetenv("ANYRATE_TOKEN");
+    ::unsetenv("ANYRATE_OTHER");
+    CHECK(model.state == ModelState::done);
 }
 
 TEST_CASE("Scheduler: noise on a worker's output does no harm") {
