@@ -204,6 +204,19 @@ TEST_CASE("Scheduler: a job that gets further at each attempt is tried for as lo
     CHECK(model.attempts == 8);
 }
 
+TEST_CASE("Scheduler: a job whose disk fails for a while is tried again longer than one whose worker dies") {
+    Fixture f;
+    const std::string failed = "echo '{\"type\":\"failed\",\"error\":\"no disk\",\"cause\":\"machine\"}'; exit 1";
+    const ModelRecord model = f.run("if [ $2 -lt 9 ]; then " + failed + "; fi; [ $2 -gt 10 ] || kill -9 $$; " + done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 11);
+    f.options.max_restarts = 4;
+    const ModelRecord lost = f.run(failed);
+    CHECK(lost.state == ModelState::failed);
+    CHECK(lost.error == "no disk");
+    CHECK(lost.attempts == 7);  // four that may, and three in a row
+}
+
 TEST_CASE("Scheduler: a job that finds the disk full waits for room, however often") {
     Fixture f;
     const ModelRecord model = f.run(
