@@ -1,5 +1,6 @@
 """What an operator does: backups of a working server, clearing, limits of a job."""
 
+import json
 import time
 import unittest
 
@@ -21,6 +22,26 @@ class Operations(ServerTest):
             self.assertEqual(other.sealed(done).read_bytes(), self.server.sealed(done).read_bytes())
             self.assertEqual(other.wait_until_final(running)["state"], "done")
             self.assertEqual(other.sealed(running).read_bytes(), self.server.sealed(running).read_bytes())
+        finally:
+            self.assertEqual(other.stop(), 0)
+
+    def test_a_capture_that_is_still_arriving_goes_on_in_the_copy(self):
+        place = "/v1/captures/" + json.loads(self.server.request("POST", "/v1/captures")[2])["id"]
+        files = sorted(f for f in self.capture.rglob("*") if f.suffix in (".png", ".json"))
+
+        def put(server, file):
+            self.assertEqual(server.request("PUT", f"{place}/files/{file.relative_to(self.capture)}", file.read_bytes())[0], 201)
+        for file in files[:10]:
+            put(self.server, file)
+        run("backup", "--data", self.server.data, "-o", self.folder / "copy")
+        other = Server(self.folder / "copy")
+        try:
+            self.assertEqual(json.loads(other.request("GET", place)[2]), json.loads(self.server.request("GET", place)[2]))
+            for file in files[10:]:
+                put(other, file)
+            status, _, answer = other.request("POST", "/v1/models?vertices=500&capture=" + place.rsplit("/", 1)[1])
+            self.assertEqual(status, 202, answer)
+            self.assertEqual(other.wait_until_final(json.loads(answer)["id"])["state"], "done")
         finally:
             self.assertEqual(other.stop(), 0)
 
