@@ -127,8 +127,8 @@ public:
     /// Puts the model back in the queue as if the attempt had not been made (the server stops).
     virtual bool give_back(const Lease& lease, Timestamp now) = 0;
 
-    /// Running models whose lease ends at `end` or before, because whoever held it is gone: retry() for each. @return how
-    /// many
+    /// Running models whose lease ends at `end` or before, because whoever held it is gone: retry() for each. @return
+    /// how many
     virtual int recover(Timestamp end, const RetryRule& rule, const std::string& error, Timestamp now) = 0;
 };
 
