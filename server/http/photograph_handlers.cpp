@@ -18,7 +18,6 @@ namespace anyrate {
 namespace {
 
 constexpr const char* cameras_file = "cameras.json";
-constexpr std::uint64_t max_cameras_bytes = 8 << 20;
 
 struct OpenCapture {
     std::unique_ptr<CaptureFiles> files;

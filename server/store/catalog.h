@@ -65,7 +65,7 @@ inline Lease lease_of(const ModelRecord& claimed) { return {claimed.id, claimed.
 struct RetryRule {
     int max_fruitless = 3;   ///< attempts in a row that took the curve no further than it has been; then it fails
     bool is_counted = true;  ///< whether this attempt may be one of them
-    Timestamp not_before{};  ///< of the next attempt
+    Timestamp not_before{};  ///< of the next attempt; more than ten minutes ahead counts for nothing
 };
 
 struct NewModel {
@@ -127,8 +127,8 @@ public:
     /// Puts the model back in the queue as if the attempt had not been made (the server stops).
     virtual bool give_back(const Lease& lease, Timestamp now) = 0;
 
-    /// Running models whose lease ends at `end` or before, because whoever held it is gone: retry() for each. @return how
-    /// many
+    /// Running models whose lease ends at `end` or before, because whoever held it is gone: retry() for each. @return
+    /// how many
     virtual int recover(Timestamp end, const RetryRule& rule, const std::string& error, Timestamp now) = 0;
 };
 

@@ -6,7 +6,9 @@ ends with 1 if anything was not as it has to be. Processes are killed by the num
 """
 import argparse
 import json
+import os
 import random
+import signal
 import subprocess
 import sys
 import tempfile
@@ -52,6 +54,16 @@ def make_capture(anyrate, folder, views=12, width=160, height=120):
     return capture, archive
 
 
+def rounds(n):
+    """0 to n - 1; fewer if the test is told to end (SIGTERM): then it says what it has seen so far."""
+    told = []
+    signal.signal(signal.SIGTERM, lambda *_: told.append(True))
+    for i in range(n):
+        if told:
+            return
+        yield i
+
+
 def temporary_folder():
     return tempfile.TemporaryDirectory(prefix="anyrate-fault-")
 
@@ -82,6 +94,13 @@ def rss_bytes(pid):
         if line.startswith("VmRSS:"):
             return int(line.split()[1]) * 1024
     return 0
+
+
+def processor_seconds(pid):
+    """That a process and those of its children that have ended have used: what a machine that stands still or is busy with
+    other things does not change."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return sum(int(field) for field in fields[11:15]) / os.sysconf("SC_CLK_TCK")
 
 
 def n_descriptors(pid):

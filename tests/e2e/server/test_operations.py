@@ -1,9 +1,10 @@
 """What an operator does: backups of a working server, clearing, limits of a job."""
 
+import json
 import time
 import unittest
 
-from harness import Server, ServerTest, run
+from harness import PATIENCE, Server, ServerTest, run
 
 JOB = "?vertices=8000&coarse=600"
 
@@ -24,6 +25,26 @@ class Operations(ServerTest):
         finally:
             self.assertEqual(other.stop(), 0)
 
+    def test_a_capture_that_is_still_arriving_goes_on_in_the_copy(self):
+        place = "/v1/captures/" + json.loads(self.server.request("POST", "/v1/captures")[2])["id"]
+        files = sorted(f for f in self.capture.rglob("*") if f.suffix in (".png", ".json"))
+
+        def put(server, file):
+            self.assertEqual(server.request("PUT", f"{place}/files/{file.relative_to(self.capture)}", file.read_bytes())[0], 201)
+        for file in files[:10]:
+            put(self.server, file)
+        run("backup", "--data", self.server.data, "-o", self.folder / "copy")
+        other = Server(self.folder / "copy")
+        try:
+            self.assertEqual(json.loads(other.request("GET", place)[2]), json.loads(self.server.request("GET", place)[2]))
+            for file in files[10:]:
+                put(other, file)
+            status, _, answer = other.request("POST", "/v1/models?vertices=500&capture=" + place.rsplit("/", 1)[1])
+            self.assertEqual(status, 202, answer)
+            self.assertEqual(other.wait_until_final(json.loads(answer)["id"])["state"], "done")
+        finally:
+            self.assertEqual(other.stop(), 0)
+
     def test_a_backup_replaces_nothing(self):
         self.assertEqual(run("backup", "--data", self.server.data, "-o", self.folder, check=False).returncode, 3)
         self.assertEqual(run("backup", "--data", self.folder / "nothing", "-o", self.folder / "x", check=False).returncode, 3)
@@ -35,9 +56,14 @@ class Operations(ServerTest):
         self.assertIn(f"model {model_id}", dry)
         self.assertIn("would remove 1 models", dry)
         self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}")[0], 200)
+        self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}/log")[0], 200)  # the server keeps it in memory
         self.assertIn("removed 1 models", run("gc", "--data", self.server.data, "--keep-days", 0).stdout)
         self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}")[0], 404)
         self.assertFalse((self.server.data / "models" / model_id).exists())
+        deadline = time.monotonic() + PATIENCE
+        while self.server.request("GET", f"/v1/models/{model_id}/log")[0] != 404:
+            self.assertLess(time.monotonic(), deadline, "a server serves what another process has removed")
+            time.sleep(0.2)
 
     def test_a_model_is_deleted_at_any_moment_and_leaves_nothing(self):
         for pause in (0, 0.1, 0.4, 1.0, 2.0):

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <future>
 #include <mutex>
@@ -89,6 +91,16 @@ TEST_CASE("Scheduler: a worker that dies is started again, up to the limit") {
     CHECK(model.error == "the worker process ended with signal 9");
 }
 
+TEST_CASE("Scheduler: a worker does not learn the server's token") {
+    Fixture f;
+    ::setenv("ANYRATE_TOKEN", "secret", 1);
+    ::setenv("ANYRATE_OTHER", "thing", 1);
+    const ModelRecord model = f.run("[ -z \"$ANYRATE_TOKEN\" ] && [ \"$ANYRATE_OTHER\" = thing ] && " + done);
+    ::unsetenv("ANYRATE_TOKEN");
+    ::unsetenv("ANYRATE_OTHER");
+    CHECK(model.state == ModelState::done);
+}
+
 TEST_CASE("Scheduler: noise on a worker's output does no harm") {
     Fixture f;
     CHECK(f.run("echo noise; echo '{\"type\":7}'; " + done).state == ModelState::done);
@@ -121,6 +133,26 @@ TEST_CASE("Scheduler: a model that a dead server left running is run again") {
     const auto model = f.wait_for(id, [](const ModelRecord& m) { return is_final(m.state); });
     CHECK(model.state == ModelState::done);
     CHECK(model.attempts == 2);
+}
+
+TEST_CASE("Scheduler: a clock that is set forward takes no job from its worker") {
+    Fixture f;
+    std::atomic<std::int64_t> hours = 0;
+    f.options.n_workers = 2;  // one looks for leases that ran out while the other works
+    f.options.lease = std::chrono::milliseconds(1500);
+    f.options.clock = [&] { return wall_clock() + std::chrono::hours(hours); };
+    const std::string id = f.add();
+    const auto file = f.folder.path() / "go on";
+    Scheduler scheduler(f.catalog, f.events,
+                        f.shell("while ! [ -e '" + file.string() + "' ]; do sleep 0.05; done; " + done), f.options,
+                        [](const std::string&) {});
+    f.wait_for(id, [](const ModelRecord& m) { return m.state == ModelState::running; });
+    hours = 5;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // the other has looked once or twice
+    std::ofstream(file) << "now";
+    const auto model = f.wait_for(id, [](const ModelRecord& m) { return is_final(m.state); });
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 1);
 }
 
 TEST_CASE("Scheduler: an abandoned model's worker is gone when the call returns") {
@@ -170,6 +202,19 @@ TEST_CASE("Scheduler: a job that gets further at each attempt is tried for as lo
         done);
     CHECK(model.state == ModelState::done);
     CHECK(model.attempts == 8);
+}
+
+TEST_CASE("Scheduler: a job whose disk fails for a while is tried again longer than one whose worker dies") {
+    Fixture f;
+    const std::string failed = "echo '{\"type\":\"failed\",\"error\":\"no disk\",\"cause\":\"machine\"}'; exit 1";
+    const ModelRecord model = f.run("if [ $2 -lt 9 ]; then " + failed + "; fi; [ $2 -gt 10 ] || kill -9 $$; " + done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 11);
+    f.options.max_restarts = 4;
+    const ModelRecord lost = f.run(failed);
+    CHECK(lost.state == ModelState::failed);
+    CHECK(lost.error == "no disk");
+    CHECK(lost.attempts == 7);  // four that may, and three in a row
 }
 
 TEST_CASE("Scheduler: a job that finds the disk full waits for room, however often") {
