@@ -1,0 +1,91 @@
+"""Distortion against time while a finished model arrives over slow links, beside the finished mesh as one Draco file.
+
+  tests/bench/transmission.py [--capture FOLDER] [--vertices 10000] [--out FOLDER]
+
+`anyrate serve` holds the model; `anyrate fetch --trace --throttle --latency` gets it over HTTP (ranges) and over the
+WebSocket. The Draco file (single rate, level 10, same grid, geometry only: without the colours that the log has) is what
+one would download instead: nothing is seen until its last byte, whose time is that of one request over the same link.
+Without --capture a vessel is simulated. Prints JSON; with --out also SVG plots.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from measuring import ROOT, machine
+from svg_plot import Series, line_plot
+
+LINKS = {"1.6 Mbit/s": (200_000, 50), "10 Mbit/s": (1_250_000, 25), "100 Mbit/s": (12_500_000, 10)}  # bytes/s, ms one way
+
+
+def call(*command):
+    return subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True).stdout
+
+
+def trace_of(build, url, folder, rate, latency, *options):
+    trace = folder / "trace.json"
+    call(build / "anyrate", "fetch", url, "-o", folder / "fetched.arl", "--trace", trace, "--throttle", rate, "--latency",
+         latency, *options)
+    frames = json.loads(trace.read_text())["frames"]
+    # A colour frame repeats the distortion of the geometry before it; the mesh is complete with it.
+    return [{key: frame[key] for key in ("seconds", "bytes", "vertices", "distortion")} for frame in frames]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("--capture", type=pathlib.Path)
+    parser.add_argument("--vertices", type=int, default=10_000)
+    parser.add_argument("--out", type=pathlib.Path)
+    options = parser.parse_args()
+    anyrate = options.build / "anyrate"
+    with tempfile.TemporaryDirectory(prefix="anyrate-transmission-") as name:
+        folder = pathlib.Path(name)
+        capture = options.capture or folder / "vessel"
+        if not options.capture:
+            call(anyrate, "simulate", "--scene", "vessel", "-o", capture)
+        server = subprocess.Popen([anyrate, "serve", "--listen", "127.0.0.1:0", "--data", folder / "data"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        try:
+            base = server.stdout.readline().split()[-1]
+            model = call(anyrate, "push", capture, "--server", base, "--wait", "--vertices", options.vertices).strip()
+            url = f"{base}/v1/models/{model}"
+            call(anyrate, "fetch", url, "-o", folder / "whole.arl")
+            call(anyrate, "decode", folder / "whole.arl", "-o", folder / "whole.ply")
+            single = json.loads(call(options.build / "bench" / "single_rate", folder / "whole.ply", "--model",
+                                     folder / "whole.arl"))
+            result = {"machine": machine(), "capture": capture.name, "log_bytes": (folder / "whole.arl").stat().st_size,
+                      "single_rate": single, "links": {}}
+            for link, (rate, latency) in LINKS.items():
+                http = trace_of(options.build, url, folder, rate, latency)
+                socket = trace_of(options.build, url, folder, rate, latency, "--live")
+                # Connection and request take a round trip each, then the bytes come.
+                seconds = 4 * latency / 1000 + single["bytes"] / rate
+                whole = http[-1]["distortion"]
+                half = next(frame["seconds"] for frame in http if frame["distortion"] is not None
+                            and frame["distortion"] <= (http[0]["distortion"] + whole) / 2)
+                result["links"][link] = {"bytes_per_second": rate, "latency_ms": latency, "http": http, "websocket": socket,
+                                         "single_rate_seconds": seconds, "first_mesh_seconds": http[0]["seconds"],
+                                         "half_of_the_gain_seconds": half, "all_seconds": http[-1]["seconds"]}
+                if options.out:
+                    options.out.mkdir(parents=True, exist_ok=True)
+                    plot = line_plot(f"{capture.name} over {link}", "seconds", "distortion (Psi)", [
+                        Series("log over HTTP", [(f["seconds"], f["distortion"]) for f in http if f["distortion"]]),
+                        Series("log over WebSocket", [(f["seconds"], f["distortion"]) for f in socket if f["distortion"]],
+                               dashed=True),
+                        Series("finished mesh in Draco", [(seconds, http[0]["distortion"]), (seconds, whole)])])
+                    slug = link.replace(" ", "_").replace("/", "_").replace(".", "_")
+                    (options.out / f"transmission_{capture.name}_{slug}.svg").write_text(plot)
+            if options.out:
+                (options.out / f"transmission_{capture.name}.json").write_text(json.dumps(result, indent=1) + "\n")
+            json.dump(result, sys.stdout, indent=1)
+            print()
+        finally:
+            server.terminate()
+            server.wait()
+
+
+if __name__ == "__main__":
+    main()
