@@ -143,6 +143,25 @@ Response create_capture(Service& service, const Request& request) {
     return response;
 }
 
+Response list_captures(Service& service, const Request& request) {
+    expect_only(request, {"limit", "after"});
+    const auto limit = query_integer(request, "limit", 1, 1000).value_or(100);
+    const auto after = request.query.find("after");
+    if (after != request.query.end() && !is_model_id(after->second))
+        throw HttpProblem(400, "after=" + after->second + ": expected the id of a capture");
+    const CapturePage page =
+        service.captures.list(static_cast<std::size_t>(limit), after == request.query.end() ? "" : after->second);
+    ordered_json json = {{"captures", ordered_json::array()}};
+    for (const CaptureRecord& capture : page.captures)
+        json["captures"].push_back({{"id", capture.id},
+                                    {"created", iso_time(capture.created)},
+                                    {"bytes", capture.n_bytes()},
+                                    {"n_files", capture.files.size()},
+                                    {"links", {{"self", "/v1/captures/" + capture.id}}}});
+    if (page.more) json["next"] = "/v1/captures?limit=" + std::to_string(limit) + "&after=" + page.captures.back().id;
+    return json_response(200, json);
+}
+
 Response show_capture(Service& service, const Request& request) {
     expect_only(request, {});
     const CaptureRecord capture = expect_capture(service, request.captured.at("id"));

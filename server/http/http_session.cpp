@@ -277,6 +277,8 @@ Response upgrade_required() {
 awaitable<std::optional<Response>> go_on_live(Connection& connection, Parser& parser, LiveBody live) {
     if (!beast::websocket::is_upgrade(parser.get())) co_return upgrade_required();
     http::request<http::empty_body> upgrade{http::request_header<>(parser.get().base())};
+    connection.buffer.clear();  // there may be thousands of such connections, idle for hours
+    connection.buffer.shrink_to_fit();
     co_await serve_live(connection.stream, std::move(upgrade), connection.context, std::move(live), connection.wake_up);
     co_return std::nullopt;
 }

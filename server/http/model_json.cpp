@@ -71,10 +71,10 @@ std::string model_json(const ModelRecord& model, std::span<const RatePoint> curv
 
 std::string model_json(const ModelRecord& model) { return to_text(to_json(model)); }
 
-std::string model_list_json(const ModelPage& page) {
+std::string model_list_json(const ModelPage& page, std::size_t limit) {
     ordered_json json = {{"models", ordered_json::array()}};
     for (const ModelRecord& model : page.models) json["models"].push_back(to_json(model));
-    if (page.more) json["next"] = "/v1/models?after=" + page.models.back().id;
+    if (page.more) json["next"] = "/v1/models?limit=" + std::to_string(limit) + "&after=" + page.models.back().id;
     return to_text(json);
 }
 

@@ -11,7 +11,8 @@ std::string model_json(const ModelRecord& model, std::span<const RatePoint> curv
 /// The same without the curve.
 std::string model_json(const ModelRecord& model);
 /// A page of the list; models without their curves, "next" if there are more.
-std::string model_list_json(const ModelPage& page);
+/// @param limit  models of a page, as it was asked for
+std::string model_list_json(const ModelPage& page, std::size_t limit);
 /// "2026-01-31T12:00:00.000Z"
 std::string iso_time(Timestamp time);
 

@@ -56,6 +56,23 @@ class Captures(ServerTest):
         self.assertEqual(self.server.request("GET", "/v1/captures/" + capture_id)[0], 404)
         self.assertFalse((self.server.data / "captures" / capture_id).exists())
 
+    def test_captures_are_listed_page_by_page(self):
+        begun = sorted(self.begin()["id"] for _ in range(5))
+        self.put(begun[0], "images/a.png", b"no image")
+        seen, target = [], "/v1/captures?limit=2"
+        while target:
+            status, _, body = self.server.request("GET", target)
+            self.assertEqual(status, 200, body)
+            page = json.loads(body)
+            self.assertLessEqual(len(page["captures"]), 2)
+            seen += page["captures"]
+            target = page.get("next")
+        mine = [capture for capture in seen if capture["id"] in begun]
+        self.assertEqual([capture["id"] for capture in mine], begun)
+        self.assertEqual((mine[0]["n_files"], mine[0]["bytes"], mine[1]["n_files"]), (1, 8, 0))
+        self.assertEqual(self.server.request("GET", "/v1/captures?after=nobody")[0], 400)
+        self.assertEqual(self.server.request("GET", "/v1/captures?limit=0")[0], 400)
+
     def test_an_upload_goes_on_where_it_stopped(self):
         files = self.files()
         first = self.begin("my scan")
