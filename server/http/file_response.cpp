@@ -8,7 +8,7 @@ namespace {
 
 RangeAnswer wanted_range(const Request& request, const Representation& representation) {
     const auto range = request.headers.find("Range");
-    if (!range) return WholeBody{};
+    if (!range || request.method != "GET") return WholeBody{};  // RFC 9110, 14.2: a range is defined for GET only
     const auto condition = request.headers.find("If-Range");
     const auto holds = [&](std::string_view tag) {
         return if_range_holds(tag, representation.etag) ||
@@ -29,6 +29,13 @@ void narrow(Response& response, const FileBody& whole, const ByteRange& range) {
 
 std::string cache_control(bool is_immutable) {
     return is_immutable ? "public, max-age=31536000, immutable" : "no-cache";
+}
+
+void keep_from_shared_caches(Response& response) {
+    constexpr std::string_view shared = "public,";
+    const auto field = response.headers.find("Cache-Control");
+    if (field && field->substr(0, shared.size()) == shared)
+        response.headers.replace("Cache-Control", "private," + std::string(field->substr(shared.size())));
 }
 
 Response file_response(const Request& request, const Representation& representation) {

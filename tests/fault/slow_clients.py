@@ -29,11 +29,11 @@ class SlowClient:
         self.socket.settimeout(30)
         self.socket.connect(address)
         if kind == "headers":
-            self.socket.sendall(b"GET / HTTP/1.1\r\nX-Slow: ")
+            self.socket.sendall(b"GET / HTTP/1.1\r\nHost: a\r\nX-Slow: ")
         elif kind == "body":
-            self.socket.sendall(b"POST /v1/models HTTP/1.1\r\nContent-Type: application/zip\r\nContent-Length: 1000000\r\n\r\nPK")
+            self.socket.sendall(b"POST /v1/models HTTP/1.1\r\nHost: a\r\nContent-Type: application/zip\r\nContent-Length: 1000000\r\n\r\nPK")
         else:
-            self.socket.sendall(b"GET %s HTTP/1.1\r\n\r\n" % log_target.encode() * 400)
+            self.socket.sendall(b"GET %s HTTP/1.1\r\nHost: a\r\n\r\n" % log_target.encode() * 400)
         self.socket.setblocking(False)
 
     def step(self):

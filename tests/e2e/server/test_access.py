@@ -94,6 +94,7 @@ class Access(ServerTest):
         self.assertEqual(headers["Access-Control-Allow-Origin"], "https://a.example")
         _, headers, _ = self.server.request("GET", "/v1/models", headers={"Origin": "https://b.example"})
         self.assertNotIn("Access-Control-Allow-Origin", headers)
+        self.assertEqual(headers["Vary"], "Origin")
         connection = self.server.connect()
         connection.request("OPTIONS", "/v1/models", headers={**origin, "Access-Control-Request-Method": "POST"})
         response = connection.getresponse()

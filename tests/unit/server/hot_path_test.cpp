@@ -43,7 +43,7 @@ TEST_CASE("Hot path: a whole log and a range of it are answered from memory") {
     CHECK(whole->status == 200);
     CHECK(whole->body.n_bytes == f.size);
     CHECK(f.header.find("ETag: \"tag\"\r\n") != std::string::npos);
-    const auto range = f.ask("range: bytes=10-19\r\n");
+    const auto range = f.ask("Host: x\r\nrange: bytes=10-19\r\n");
     REQUIRE(range);
     CHECK(range->status == 206);
     CHECK(range->body.begin == 10);
@@ -58,9 +58,11 @@ TEST_CASE("Hot path: every request that asks for more is left to the general one
           "If-None-Match: \"tag\"\r\n", "If-Range: \"tag\"\r\n", "Origin: https://a.example\r\n", "X-Request-Id: a\r\n",
           "Range: bytes=999999-\r\n", "Range: bytes=0-1,3-4\r\n", "Range: bytes=0-1\r\nRange: bytes=3-4\r\n",
           "Host : x\r\n", "no colon\r\n", " folded\r\n", "Authorization: Bearer x\r\n"})
-        CHECK_MESSAGE(!f.ask(fields), fields);
-    CHECK_FALSE(f.ask("", std::string(26, 'b')));
-    CHECK_FALSE(f.ask("", std::string(26, '.')));
+        CHECK_MESSAGE(!f.ask("Host: x\r\n" + std::string(fields)), fields);
+    CHECK_FALSE(f.ask("Accept: */*\r\n"));
+    CHECK_FALSE(f.ask("Host: x\r\nHost: y\r\n"));
+    CHECK_FALSE(f.ask("Host: x\r\n", std::string(26, 'b')));
+    CHECK_FALSE(f.ask("Host: x\r\n", std::string(26, '.')));
     const std::string request = "GET /v1/models/" + id + "/log HTTP/1.1\r\nHost: x\r\n\r\n";
     for (std::size_t n = 0; n < request.size(); ++n) CHECK_FALSE(answer_hot(request.substr(0, n), f.logs, f.header));
     CHECK(answer_hot(request + "GET", f.logs, f.header)->n_request_bytes == request.size());
