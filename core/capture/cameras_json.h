@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,9 @@
 #include "core/capture/undistort.h"
 
 namespace anyrate {
+
+/// Of a list of cameras, about 13,000 entries; a parsed one takes some twenty times its size.
+inline constexpr std::uint64_t max_cameras_bytes = 8 << 20;
 
 /// One photograph as cameras.json lists it; what its numbers mean is not yet checked (see check_camera.h).
 struct CameraEntry {

@@ -57,11 +57,19 @@ private:
     std::string top_;
 };
 
-/// "" if the capture lies at the top of the zip, "folder/" if it lies in a folder there.
-std::string top_of(const ZipContents& contents, const std::string& zip_name, const std::string& cameras_file) {
-    if (contents.contains(cameras_file)) return "";
+std::vector<std::string> names_of(const ZipContents& contents) {
+    std::vector<std::string> names;
+    for (const auto& [name, data] : contents) names.push_back(name);
+    return names;
+}
+
+}  // namespace
+
+std::string top_folder(const std::vector<std::string>& names, const std::string& zip_name,
+                       const std::string& cameras_file) {
+    if (std::find(names.begin(), names.end(), cameras_file) != names.end()) return "";
     std::vector<std::string> tops;
-    for (const auto& [name, data] : contents) {
+    for (const std::string& name : names) {
         const std::size_t slash = name.find('/');
         if (slash == std::string::npos || name.substr(slash + 1) != cameras_file) continue;
         if (name.substr(0, slash) != "__MACOSX") tops.push_back(name.substr(0, slash + 1));
@@ -72,8 +80,6 @@ std::string top_of(const ZipContents& contents, const std::string& zip_name, con
     return tops.empty() ? "" : tops.front();
 }
 
-}  // namespace
-
 std::unique_ptr<CaptureFiles> open_capture_files(const std::filesystem::path& path, const std::string& cameras_file,
                                                  const ZipLimits& limits) {
     std::error_code error;
@@ -82,7 +88,7 @@ std::unique_ptr<CaptureFiles> open_capture_files(const std::filesystem::path& pa
     if (!std::filesystem::is_regular_file(status))
         throw InputError(path.string() + ": nothing to read there; expected a capture's folder or zip file");
     ZipContents contents = read_zip(path, limits);
-    std::string top = top_of(contents, path.filename().string(), cameras_file);
+    std::string top = top_folder(names_of(contents), path.filename().string(), cameras_file);
     return std::make_unique<ZipFiles>(std::move(contents), std::move(top));
 }
 

@@ -26,6 +26,11 @@ public:
                                            std::size_t at_most = std::numeric_limits<std::size_t>::max()) const = 0;
 };
 
+/// The folder of a zip that the capture lies in, the one that has `cameras_file` in it: "" for the top, or "folder/".
+/// @param names  of the zip's files @throws InputError there are two
+std::string top_folder(const std::vector<std::string>& names, const std::string& zip_name,
+                       const std::string& cameras_file);
+
 /// Opens the folder or zip file at `path`. In a zip the whole capture may also lie in one top folder, the one that has
 /// `cameras_file` in it. Links in a folder are followed (the folder is its owner's); links in a zip are refused.
 /// @throws InputError nothing is there, or read_zip() refuses it

@@ -33,6 +33,22 @@ std::optional<ImageHeader> read_png_header(Bytes bytes) {
     return make_header(ImageKind::png, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4));
 }
 
+/// CRC-32 as PNG (section 5.5) and zip have it, polynomial 0xEDB88320.
+std::uint32_t crc32(Bytes bytes) {
+    static constexpr auto table = [] {
+        std::array<std::uint32_t, 256> remainders{};
+        for (std::uint32_t i = 0; i < 256; ++i) {
+            std::uint32_t crc = i;
+            for (int bit = 0; bit < 8; ++bit) crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
+            remainders[i] = crc;
+        }
+        return remainders;
+    }();
+    std::uint32_t crc = 0xFFFFFFFF;
+    for (const std::uint8_t byte : bytes) crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF];
+    return ~crc;
+}
+
 constexpr std::uint8_t jpeg_start = 0xD8, jpeg_end = 0xD9, jpeg_scan = 0xDA;
 
 bool is_jpeg(Bytes bytes) {
@@ -97,6 +113,25 @@ std::optional<ImageHeader> read_image_header(Bytes bytes) {
     if (is_png(bytes)) return read_png_header(bytes);
     if (is_jpeg(bytes)) return read_jpeg_header(bytes);
     return std::nullopt;
+}
+
+bool png_is_whole(Bytes bytes) {
+    constexpr std::size_t signature = 8, around = 12;                         // length, type, checksum
+    constexpr std::uint32_t data_chunk = 0x49444154, end_chunk = 0x49454E44;  // "IDAT", "IEND"
+    if (!is_png(bytes)) return false;
+    bool has_data = false;
+    for (std::size_t at = signature; bytes.size() - at >= around;) {
+        const std::size_t length = big_endian(bytes, at, 4);
+        if (length > bytes.size() - at - around) return false;
+        const std::uint32_t type = big_endian(bytes, at + 4, 4);
+        const bool is_critical = (type >> 24 & 0x20) == 0;  // bit 5 of the first letter: upper case
+        if (is_critical && crc32(bytes.subspan(at + 4, 4 + length)) != big_endian(bytes, at + 8 + length, 4))
+            return false;
+        has_data = has_data || type == data_chunk;
+        if (type == end_chunk) return has_data;
+        at += around + length;
+    }
+    return false;
 }
 
 bool jpeg_is_complete(Bytes bytes) {

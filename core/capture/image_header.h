@@ -17,6 +17,11 @@ struct ImageHeader {
 /// @return nullopt if this is neither PNG nor JPEG, or its size is not among these bytes
 std::optional<ImageHeader> read_image_header(std::span<const std::uint8_t> bytes);
 
+/// Whether a PNG file is whole: its chunks follow each other to the last, and the critical ones have their checksums.
+/// So much is known without unpacking a pixel; what is packed may be wrong all the same.
+/// @param bytes  a whole PNG file
+bool png_is_whole(std::span<const std::uint8_t> bytes);
+
 /// Whether the marker that ends an image is there. Decoders fill the missing rows of a JPEG with grey and do not
 /// complain.
 /// @param bytes  a whole JPEG file

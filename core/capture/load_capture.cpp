@@ -21,9 +21,6 @@
 namespace anyrate {
 namespace {
 
-/// About 13,000 entries; a parsed file takes some twenty times its size.
-constexpr std::uint64_t max_cameras_bytes = 8 << 20;
-
 /// One view on its way in, and what is wrong with it so far. Only a sound one goes on to the next step.
 struct Candidate {
     CameraEntry entry;
@@ -63,10 +60,9 @@ std::optional<ImageHeader> check_header(const CaptureFiles& files, const std::st
         faults.add(name, "missing; expected an image file");
         return std::nullopt;
     }
-    // No image within the pixel limit needs more than 16 bits in four channels and some text around them.
-    const std::uint64_t max_bytes = 8 * static_cast<std::uint64_t>(options.max_pixels) + (1 << 20);
-    if (*n_bytes > max_bytes) {
-        faults.add(name, std::to_string(*n_bytes) + " bytes; expected at most " + std::to_string(max_bytes));
+    if (*n_bytes > options.max_image_bytes()) {
+        faults.add(name,
+                   std::to_string(*n_bytes) + " bytes; expected at most " + std::to_string(options.max_image_bytes()));
         return std::nullopt;
     }
     constexpr std::size_t n_front_bytes = 1 << 16;  // nearly always enough

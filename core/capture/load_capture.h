@@ -11,6 +11,8 @@ namespace anyrate {
 struct LoadOptions {
     std::string cameras_file = "cameras.json";  ///< name inside the capture; only the images it lists are read
     std::int64_t max_pixels = 50'000'000;  ///< of one image; read from the file's header before any pixel is decoded
+    /// Bytes of one image: 16 bits in four channels and some text around them.
+    std::uint64_t max_image_bytes() const { return 8 * static_cast<std::uint64_t>(max_pixels) + (1 << 20); }
     std::int64_t max_capture_pixels = 500'000'000;  ///< of all images together; a pixel takes 4 bytes once loaded
     ZipLimits zip = {};
 };

@@ -7,6 +7,7 @@
 #include <array>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -63,8 +64,8 @@ public:
     Unpacker(archive* reader, std::string name, std::int64_t n_packed_bytes, const ZipLimits& limits)
         : reader_(reader), name_(std::move(name)), n_packed_bytes_(n_packed_bytes), limits_(limits) {}
 
-    ZipContents unpack() {
-        ZipContents contents;
+    void unpack(const TakeZipFile& take) {
+        std::set<std::string> seen;
         std::int64_t n_entries = 0;
         while (archive_entry* entry = next_entry()) {
             if (++n_entries > limits_.max_files)
@@ -73,10 +74,9 @@ public:
             if (archive_entry_filetype(entry) == AE_IFDIR) continue;  // nothing is written: its name does no harm
             const std::string file = checked_name(entry);
             check_kind(entry, file);
-            if (contents.contains(file)) throw_fault(name_, "holds " + file + " twice; expected every file once");
-            contents.emplace(file, read_data(file));
+            if (!seen.insert(file).second) throw_fault(name_, "holds " + file + " twice; expected every file once");
+            take(file, read_data(file));
         }
-        return contents;
     }
 
 private:
@@ -137,29 +137,44 @@ private:
     std::int64_t n_unpacked_bytes_ = 0;
 };
 
-ZipContents unpack(archive* reader, const std::string& name, std::int64_t n_packed_bytes, const ZipLimits& limits) {
+void unpack(archive* reader, const std::string& name, std::int64_t n_packed_bytes, const ZipLimits& limits,
+            const TakeZipFile& take) {
     const Utf8Locale locale;
-    return Unpacker(reader, name, n_packed_bytes, limits).unpack();
+    Unpacker(reader, name, n_packed_bytes, limits).unpack(take);
+}
+
+TakeZipFile into(ZipContents& contents) {
+    return [&contents](const std::string& name, std::vector<std::uint8_t> data) {
+        contents.emplace(name, std::move(data));
+    };
 }
 
 }  // namespace
 
-ZipContents read_zip(const std::filesystem::path& file, const ZipLimits& limits) {
+void visit_zip(const std::filesystem::path& file, const std::string& name, const ZipLimits& limits,
+               const TakeZipFile& take) {
     std::error_code error;
     const auto n_bytes = std::filesystem::file_size(file, error);
     if (error || !std::ifstream(file)) throw IoError(file.string() + ": cannot be opened for reading");
     const ArchivePtr reader = new_zip_reader();
-    const std::string name = file.filename().string();
     if (archive_read_open_filename(reader.get(), file.c_str(), 1 << 16) != ARCHIVE_OK)
         throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
-    return unpack(reader.get(), name, static_cast<std::int64_t>(n_bytes), limits);
+    unpack(reader.get(), name, static_cast<std::int64_t>(n_bytes), limits, take);
+}
+
+ZipContents read_zip(const std::filesystem::path& file, const ZipLimits& limits) {
+    ZipContents contents;
+    visit_zip(file, file.filename().string(), limits, into(contents));
+    return contents;
 }
 
 ZipContents read_zip(std::span<const std::uint8_t> bytes, const std::string& name, const ZipLimits& limits) {
     const ArchivePtr reader = new_zip_reader();
     if (archive_read_open_memory(reader.get(), bytes.data(), bytes.size()) != ARCHIVE_OK)
         throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
-    return unpack(reader.get(), name, static_cast<std::int64_t>(bytes.size()), limits);
+    ZipContents contents;
+    unpack(reader.get(), name, static_cast<std::int64_t>(bytes.size()), limits, into(contents));
+    return contents;
 }
 
 }  // namespace anyrate

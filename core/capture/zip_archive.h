@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -17,6 +18,15 @@ struct ZipLimits {
 
 /// The regular files of a zip, by relative_name().
 using ZipContents = std::map<std::string, std::vector<std::uint8_t>>;
+
+/// Takes a file of a zip.
+using TakeZipFile = std::function<void(const std::string& name, std::vector<std::uint8_t> data)>;
+
+/// Unpacks a zip file by file, so that only one is in memory at a time; nothing is written anywhere.
+/// @param name  of the zip, for messages
+/// @throws what read_zip() throws
+void visit_zip(const std::filesystem::path& file, const std::string& name, const ZipLimits& limits,
+               const TakeZipFile& take);
 
 /// Unpacks a zip into memory; nothing is written anywhere.
 /// @throws InputError if it is no zip or a damaged or encrypted one, goes beyond a limit, or holds what a capture never
