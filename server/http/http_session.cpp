@@ -353,15 +353,11 @@ std::string_view received(const Connection& connection) {
     return {static_cast<const char*>(connection.buffer.data().data()), connection.buffer.size()};
 }
 
-awaitable<void> answer_from_memory(Connection& connection, const HotAnswer& answer, const std::string& header,
-                                   RouteMetrics& counted) {
-    const auto begun = std::chrono::steady_clock::now();
-    std::size_t n_sent = 0;
-    if (!write_now(*connection.stream, header, answer.body, n_sent))
-        co_await write_rest(*connection.stream, header, answer.body, n_sent, connection.context.limits.write_patience);
+void count_hot(Metrics& metrics, RouteMetrics& counted, std::uint64_t n_bytes,
+               std::chrono::steady_clock::time_point begun) {
     counted.by_class[2].fetch_add(1, std::memory_order_relaxed);
     counted.seconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
-    connection.context.metrics.sent_bytes.fetch_add(answer.body.n_bytes, std::memory_order_relaxed);
+    metrics.sent_bytes.fetch_add(n_bytes, std::memory_order_relaxed);
 }
 
 /// Serves requests for logs in memory until another one comes, whose bytes stay in the buffer.
@@ -376,7 +372,12 @@ awaitable<bool> serve_hot(Connection& connection) {
             const auto answer = answer_hot(received(connection), context.service.hot_logs, header);
             if (!answer) co_return true;
             connection.buffer.consume(answer->n_request_bytes);
-            co_await answer_from_memory(connection, *answer, header, counted);
+            // Most answers go at once; no coroutine is made for those.
+            const auto begun = std::chrono::steady_clock::now();
+            std::size_t n_sent = 0;
+            if (!write_now(*connection.stream, header, answer->body, n_sent))
+                co_await write_rest(*connection.stream, header, answer->body, n_sent, context.limits.write_patience);
+            count_hot(context.metrics, counted, answer->body.n_bytes, begun);
             continue;
         }
         connection.stream->expires_after(context.limits.header_patience);

@@ -39,6 +39,8 @@ def main():
     parser.add_argument("--capture", type=pathlib.Path)
     parser.add_argument("--vertices", type=int, default=10_000)
     parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--data", type=pathlib.Path, help="data directory of the server; a temporary one by default")
+    parser.add_argument("--model", help="of --data, made by an earlier run, whose id is in the JSON")
     options = parser.parse_args()
     anyrate = options.build / "anyrate"
     with tempfile.TemporaryDirectory(prefix="anyrate-transmission-") as name:
@@ -46,17 +48,19 @@ def main():
         capture = options.capture or folder / "vessel"
         if not options.capture:
             call(anyrate, "simulate", "--scene", "vessel", "-o", capture)
-        server = subprocess.Popen([anyrate, "serve", "--listen", "127.0.0.1:0", "--data", folder / "data"],
+        server = subprocess.Popen([anyrate, "serve", "--listen", "127.0.0.1:0", "--data",
+                                   options.data or folder / "data"],
                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         try:
             base = server.stdout.readline().split()[-1]
-            model = call(anyrate, "push", capture, "--server", base, "--wait", "--vertices", options.vertices).strip()
+            model = options.model or call(anyrate, "push", capture, "--server", base, "--wait", "--vertices",
+                                          options.vertices).strip()
             url = f"{base}/v1/models/{model}"
             call(anyrate, "fetch", url, "-o", folder / "whole.arl")
             call(anyrate, "decode", folder / "whole.arl", "-o", folder / "whole.ply")
             single = json.loads(call(options.build / "bench" / "single_rate", folder / "whole.ply", "--model",
                                      folder / "whole.arl"))
-            result = {"machine": machine(), "capture": capture.name, "log_bytes": (folder / "whole.arl").stat().st_size,
+            result = {"machine": machine(), "capture": capture.name, "model": model, "log_bytes": (folder / "whole.arl").stat().st_size,
                       "single_rate": single, "links": {}}
             for link, (rate, latency) in LINKS.items():
                 http = trace_of(options.build, url, folder, rate, latency)

@@ -54,6 +54,11 @@ class Access(ServerTest):
                         headers=self.bearer("secret"))
         try:
             self.assertEqual(self.status("GET", "/v1/models", server=server), 200)
+            status, _, body = server.request("POST", "/v1/models?vertices=300", self.zip.read_bytes(),
+                                             {"Content-Type": "application/zip"})
+            self.assertEqual(status, 202, body)
+            _, headers, _ = server.request("GET", f"/v1/models/{json.loads(body)['id']}/cameras")
+            self.assertTrue(headers["Cache-Control"].startswith("private,"), headers["Cache-Control"])
             server.headers = {}
             self.assertEqual(self.status("GET", "/v1/models", server=server), 401)
             self.assertEqual(self.status("GET", "/metrics", server=server), 401)
