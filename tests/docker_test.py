@@ -2,11 +2,14 @@
 
 Run by CTest; by hand: python3 tests/docker_test.py build/anyrate
 """
+import json
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -48,6 +51,50 @@ class Docker(unittest.TestCase):
         self.assertEqual(len(re.findall(r"^FROM ", DOCKERFILE, re.M)), 2)
         self.assertEqual(len(re.findall(r"^RUN bash \S*install\.sh", DOCKERFILE, re.M)), 2)
         self.assertNotIn("apt-get install", DOCKERFILE)
+
+    def test_the_viewer_lies_beside_the_program(self):
+        places = dict(re.findall(r"^COPY --from=build /anyrate/build/(\S+) (\S+)$", DOCKERFILE, re.M))
+        self.assertEqual(pathlib.Path(places["anyrate"]).parent, pathlib.Path(places["viewer"]).parent)
+        self.assertRegex(DOCKERFILE, rf"ln -s {places['anyrate']} /usr/local/bin/anyrate")
+
+    def test_every_file_that_is_copied_is_there(self):
+        for source in re.findall(r"^COPY (?!--from)(\S+) ", DOCKERFILE, re.M):
+            self.assertTrue((ROOT / source).exists(), source)
+        self.assertIn("dockerfile: docker/Dockerfile", COMPOSE)
+
+    @unittest.skipUnless(ANYRATE and os.geteuid() == 0 and shutil.which("unshare") and shutil.which("setpriv"),
+                         "needs the binary, root, unshare, setpriv")
+    def test_the_server_works_with_a_read_only_root_as_nobody_special_without_capabilities(self):
+        """What compose.yaml does, with this machine's root in the place of the image's."""
+        if subprocess.run(["unshare", "--mount", "true"], capture_output=True).returncode != 0:
+            self.skipTest("this machine lets nobody make a mount namespace")
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            folder.chmod(0o755)
+            program, data = folder / "anyrate", folder / "data"
+            shutil.copy(ANYRATE, program)
+            data.mkdir()
+            os.chown(data, 10001, 10001)
+            inside = ('mount --bind "$2" "$2" && mount -o remount,bind,ro / && ! touch "$2/../written" 2>/dev/null && exec setpriv '
+                      '--reuid=10001 --regid=10001 --clear-groups --no-new-privs --bounding-set=-all '
+                      '"$1" serve --listen 127.0.0.1:0 --data "$2"')
+            server = subprocess.Popen(["unshare", "--mount", "sh", "-c", inside, "sh", program, data], stdout=subprocess.PIPE,
+                                      stderr=subprocess.DEVNULL, text=True, env={**os.environ, "ANYRATE_TOKEN": "secret"})
+            try:
+                url = server.stdout.readline().split()[-1]
+                check = json.loads(re.search(r"CMD (\[\"curl.*\])", DOCKERFILE).group(1))
+                check[-1] = check[-1].replace("http://127.0.0.1:8080", url)
+                self.assertEqual(subprocess.run(check).returncode, 0)
+                subprocess.run([ANYRATE, "simulate", "--scene", "vessel", "-o", folder / "capture", "--views", "8", "--width", "96",
+                                "--height", "72"], check=True, capture_output=True)
+                done = subprocess.run([ANYRATE, "push", folder / "capture", "--server", url, "--wait", "--vertices", "500"],
+                                      capture_output=True, text=True, env={**os.environ, "ANYRATE_TOKEN": "secret"})
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertTrue((data / "models" / done.stdout.strip() / "model.arl").exists())
+            finally:
+                server.terminate()
+                self.assertEqual(server.wait(120), 0)
+                server.stdout.close()
 
     def test_the_image_runs_as_nobody_special_and_tells_its_health(self):
         last_stage = DOCKERFILE.rsplit("FROM ", 1)[1]

@@ -33,7 +33,7 @@ THIRD_PARTIES = {
     r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/store/zip_writer.cpp"],
     r"sqlite3\.h": ["server/store/sqlite_catalog.cpp"],
     r"seccomp\.h": ["server/jobs/sandbox.cpp"],
-    r"boost/": ["server/http/*", "server/client/*.cpp"],
+    r"boost/": ["server/http/*", "server/client/*.cpp", "server/client/client_stream.h"],
     r"spdlog/": ["server/cli/server_log.cpp"],
     r"openssl/": ["server/store/sha256.cpp"],
     r"CLI/": ["server/main.cpp", "server/cli/*.cpp"],

@@ -64,7 +64,7 @@ public:
     Unpacker(archive* reader, std::string name, std::int64_t n_packed_bytes, const ZipLimits& limits)
         : reader_(reader), name_(std::move(name)), n_packed_bytes_(n_packed_bytes), limits_(limits) {}
 
-    void unpack(const TakeZipFile& take, const WantsZipFile& wants) {
+    void unpack(const TakeZipFile& take, const WantZipFile& wanted) {
         std::set<std::string> seen;
         std::int64_t n_entries = 0;
         while (archive_entry* entry = next_entry()) {
@@ -75,7 +75,7 @@ public:
             const std::string file = checked_name(entry);
             check_kind(entry, file);
             if (!seen.insert(file).second) throw_fault(name_, "holds " + file + " twice; expected every file once");
-            if (!wants || wants(file)) take(file, read_data(file));
+            if (!wanted || wanted(file)) take(file, read_data(file));
         }
     }
 
@@ -138,9 +138,9 @@ private:
 };
 
 void unpack(archive* reader, const std::string& name, std::int64_t n_packed_bytes, const ZipLimits& limits,
-            const TakeZipFile& take, const WantsZipFile& wants) {
+            const TakeZipFile& take, const WantZipFile& wanted = {}) {
     const Utf8Locale locale;
-    Unpacker(reader, name, n_packed_bytes, limits).unpack(take, wants);
+    Unpacker(reader, name, n_packed_bytes, limits).unpack(take, wanted);
 }
 
 TakeZipFile into(ZipContents& contents) {
@@ -152,14 +152,14 @@ TakeZipFile into(ZipContents& contents) {
 }  // namespace
 
 void visit_zip(const std::filesystem::path& file, const std::string& name, const ZipLimits& limits,
-               const TakeZipFile& take, const WantsZipFile& wants) {
+               const TakeZipFile& take, const WantZipFile& wanted) {
     std::error_code error;
     const auto n_bytes = std::filesystem::file_size(file, error);
     if (error || !std::ifstream(file)) throw IoError(file.string() + ": cannot be opened for reading");
     const ArchivePtr reader = new_zip_reader();
     if (archive_read_open_filename(reader.get(), file.c_str(), 1 << 16) != ARCHIVE_OK)
         throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
-    unpack(reader.get(), name, static_cast<std::int64_t>(n_bytes), limits, take, wants);
+    unpack(reader.get(), name, static_cast<std::int64_t>(n_bytes), limits, take, wanted);
 }
 
 ZipContents read_zip(const std::filesystem::path& file, const ZipLimits& limits) {
@@ -173,7 +173,7 @@ ZipContents read_zip(std::span<const std::uint8_t> bytes, const std::string& nam
     if (archive_read_open_memory(reader.get(), bytes.data(), bytes.size()) != ARCHIVE_OK)
         throw_fault(name, "not a zip file (" + reason(reader.get()) + "); expected a folder or a zip file");
     ZipContents contents;
-    unpack(reader.get(), name, static_cast<std::int64_t>(bytes.size()), limits, into(contents), {});
+    unpack(reader.get(), name, static_cast<std::int64_t>(bytes.size()), limits, into(contents));
     return contents;
 }
 

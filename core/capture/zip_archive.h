@@ -21,16 +21,16 @@ using ZipContents = std::map<std::string, std::vector<std::uint8_t>>;
 
 /// Takes a file of a zip.
 using TakeZipFile = std::function<void(const std::string& name, std::vector<std::uint8_t> data)>;
-
 /// Whether a file of a zip is to be unpacked.
-using WantsZipFile = std::function<bool(const std::string& name)>;
+using WantZipFile = std::function<bool(const std::string& name)>;
 
 /// Unpacks a zip file by file, so that only one is in memory at a time; nothing is written anywhere.
-/// @param name   of the zip, for messages
-/// @param wants  files that it says no of are passed over without being unpacked; empty for all
+/// @param name    of the zip, for messages
+/// @param wanted  asked for each file; empty for all. What is not wanted is passed over, and refused for its name
+/// alone.
 /// @throws what read_zip() throws
 void visit_zip(const std::filesystem::path& file, const std::string& name, const ZipLimits& limits,
-               const TakeZipFile& take, const WantsZipFile& wants = {});
+               const TakeZipFile& take, const WantZipFile& wanted = {});
 
 /// Unpacks a zip into memory; nothing is written anywhere.
 /// @throws InputError if it is no zip or a damaged or encrypted one, goes beyond a limit, or holds what a capture never

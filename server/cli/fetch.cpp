@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_io.h"
 #include "proto/log_reader.h"
 #include "proto/log_writer.h"
+#include "server/cli/access_options.h"
 #include "server/cli/budget_options.h"
 #include "server/cli/commands.h"
 #include "server/cli/output_name.h"
@@ -29,6 +30,7 @@ struct FetchCommand {
     std::optional<std::filesystem::path> trace;
     std::uint64_t bytes_per_second = 0;
     int latency_ms = 0;
+    AccessOptions access;
 
     LinkOptions link() const {
         return {.bytes_per_second = bytes_per_second, .latency = std::chrono::milliseconds(latency_ms)};
@@ -43,10 +45,11 @@ FetchedLog fetch_once(const FetchCommand& request, HttpClient& client, const Url
 }
 
 /// The log as it grew, with the rows of the server's index (a live log has none of its own).
-FetchedLog fetch_live(const FetchCommand& request, HttpClient& client, const Url& url, ArrivalTrace& trace) {
+FetchedLog fetch_live(const FetchCommand& request, HttpClient& client, const Url& url, const ServerAccess& access,
+                      ArrivalTrace& trace) {
     if (request.budget.n_bytes || request.budget.distortion)
         throw InputError("--live takes --vertices, no other budget: sizes and distortions are not known ahead");
-    LiveOptions options{.link = request.link()};
+    LiveOptions options{.access = access, .link = request.link()};
     if (request.budget.n_vertices) options.max_vertices = *request.budget.n_vertices;
     FetchedLog fetched{.bytes = follow_live(url, url.target, options, trace), .rows = {}, .frames_begin = 0};
     const LogLayout layout = read_layout(fetched.bytes);
@@ -71,10 +74,11 @@ void write_decoded(const FetchCommand& request, const FetchedLog& fetched) {
 
 int fetch(const FetchCommand& request) {
     const Url url = parse_url(request.url);
-    HttpClient client(url, std::chrono::seconds(30), request.link());
+    const ServerAccess access = request.access.access();
+    HttpClient client(url, {.access = access, .link = request.link()});
     ArrivalTrace trace;
     const FetchedLog fetched =
-        request.live ? fetch_live(request, client, url, trace) : fetch_once(request, client, url, trace);
+        request.live ? fetch_live(request, client, url, access, trace) : fetch_once(request, client, url, trace);
     if (request.output.extension() == ".arl")
         write_log(request, fetched);
     else
@@ -94,7 +98,8 @@ void add_fetch(CLI::App& app, Command& command) {
     auto request = std::make_shared<FetchCommand>();
     CLI::App* sub =
         app.add_subcommand("fetch", "get a model from a server at a budget, with as few bytes as that needs");
-    sub->add_option("URL", request->url, "of a model (http://host:port/v1/models/ID) or of an .arl file")->required();
+    sub->add_option("URL", request->url, "of a model (http(s)://host:port/v1/models/ID) or of an .arl file")
+        ->required();
     sub->add_option("-o,--output", request->output, "mesh file (.ply, .obj, .glb) or model (.arl) to write")
         ->required()
         ->check(CLI::Validator(check_output, "FILE.(ply|obj|glb|arl)"));
@@ -105,6 +110,7 @@ void add_fetch(CLI::App& app, Command& command) {
         ->check(CLI::PositiveNumber);
     sub->add_option("--latency", request->latency_ms, "and with so many milliseconds one way")
         ->check(CLI::Range(0, 60'000));
+    request->access.add_to(*sub);
     sub->callback([request, &command] { command = [request] { return fetch(*request); }; });
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "server/cli/access_options.h"
 #include "server/cli/commands.h"
 
 namespace anyrate {
@@ -18,6 +19,7 @@ struct PushCommand {
     std::filesystem::path capture;
     std::string server;
     PushOptions options;
+    AccessOptions access;
     bool wait = false;
 };
 
@@ -47,13 +49,15 @@ private:
 
 int push(const PushCommand& request) {
     const Url server = parse_url(request.server);
-    const std::string id = push_capture(server, request.capture, request.options);
+    PushOptions options = request.options;
+    options.access = request.access.access();
+    const std::string id = push_capture(server, request.capture, options);
     std::printf("%s\n", id.c_str());
     std::fflush(stdout);
     if (!request.wait) return 0;
     const RemoteState end = [&] {
         StateLine line;
-        return wait_for_model(server, id, [&](const RemoteState& state) { line.show(state); });
+        return wait_for_model(server, id, options.access, [&](const RemoteState& state) { line.show(state); });
     }();
     if (end.state == "done") return 0;
     std::fprintf(stderr, "anyrate: the model %s: %s\n", end.state.c_str(), end.error.c_str());
@@ -66,10 +70,11 @@ void add_push(CLI::App& app, Command& command) {
     auto request = std::make_shared<PushCommand>();
     CLI::App* sub = app.add_subcommand("push", "upload a capture to a server and print the model's id");
     sub->add_option("CAPTURE", request->capture, "folder or zip of images, masks and cameras")->required();
-    sub->add_option("--server", request->server, "address of the server, as in http://127.0.0.1:8080")->required();
+    sub->add_option("--server", request->server,
+                    "address of the server, as in http://127.0.0.1:8080 or https://example.org")
+        ->required();
     sub->add_option("--vertices", request->options.n_vertices, "of the finest mesh")->check(CLI::PositiveNumber);
-    sub->add_option("--token", request->options.token, "the server's token; better given in the environment")
-        ->envname("ANYRATE_TOKEN");
+    request->access.add_to(*sub);
     sub->add_flag("--wait", request->wait, "wait for the end of the reconstruction; exit code 1 if it failed");
     sub->callback([request, &command] { command = [request] { return push(*request); }; });
 }

@@ -40,6 +40,8 @@ struct ServeCommand {
     std::uint64_t max_upload_mb = 1024;
 };
 
+constexpr const char* judge_memory_mb = "2048";  // one file of a zip at a time is in memory, 1 GB at most
+
 /// The worker is this very program, whatever its path has become since it started.
 WorkerCommand worker_command(const ServeCommand& request) {
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
@@ -55,6 +57,16 @@ WorkerCommand worker_command(const ServeCommand& request) {
                 "--coarse",   std::to_string(model.options.n_coarse),
                 "--memory",   memory,
                 "--parent",   parent};
+    };
+}
+
+JudgeCommand judge_command(const ServeCommand& request) {
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+    const std::string data = std::filesystem::absolute(request.data).string();
+    const std::string parent = std::to_string(::getpid());
+    return [=](const std::filesystem::path& zip) -> std::vector<std::string> {
+        return {program,    "worker",        "--data",   data,  "--judge", std::filesystem::absolute(zip).string(),
+                "--memory", judge_memory_mb, "--parent", parent};
     };
 }
 
@@ -79,6 +91,7 @@ int serve(const ServeCommand& request) {
                    .jobs = jobs,
                    .keep = keep_rule(request.jobs.keep_days, request.jobs.keep_mb),
                    .worker_command = worker_command(request),
+                   .judge_command = judge_command(request),
                    .log = log.line,
                    .log_access = log.request,
                    .log_from_status = log.from_status});

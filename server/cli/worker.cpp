@@ -1,15 +1,18 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/error.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/jobs/job_runner.h"
+#include "server/jobs/judge_upload.h"
 #include "server/jobs/sandbox.h"
 #include "server/jobs/worker_limits.h"
 #include "server/store/directory_log_store.h"
@@ -21,6 +24,7 @@ namespace {
 struct WorkerArguments {
     std::filesystem::path data;
     std::string model_id;
+    std::filesystem::path judged_zip;  ///< empty: make the model
     ModelOptions options;
     std::uint64_t epoch = 1;
     std::uint64_t memory_mb = 0;
@@ -30,30 +34,58 @@ struct WorkerArguments {
 
 constexpr std::uint64_t largest_file = std::uint64_t{5} << 30;  // a log ends at 4 GiB
 constexpr int most_open_files = 256;
+constexpr std::chrono::seconds judging_time(20);  // of a processor; a gigabyte takes three
 
-void report(const WorkerMessage& message) {
-    const std::string line = encode_worker_message(message);
+void send(const std::string& line) {
     // A server that does not listen any more has no use for the rest of the work.
     if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size() || std::fflush(stdout) != 0)
         throw IoError("the server does not take the worker's reports");
 }
 
-/// What a reconstruction may reach: its model's folder, and of the system what libraries look up.
-SandboxFolders folders_of(const ModelPaths& paths) {
-    return {.readable = {"/usr/lib", "/lib", "/lib64", "/usr/share/locale", "/etc/ld.so.cache", "/dev/null",
-                         "/dev/urandom", "/sys/devices/system/cpu", "/sys/devices/system/node", "/proc/self",
-                         "/proc/cpuinfo", "/proc/meminfo"},
-            .writable = {paths.folder}};
+/// What libraries look up of the system.
+std::vector<std::filesystem::path> system_files() {
+    return {"/usr/lib",
+            "/lib",
+            "/lib64",
+            "/usr/share/locale",
+            "/etc/ld.so.cache",
+            "/dev/null",
+            "/dev/urandom",
+            "/sys/devices/system/cpu",
+            "/sys/devices/system/node",
+            "/proc/self",
+            "/proc/cpuinfo",
+            "/proc/meminfo"};
+}
+
+void confine(const WorkerArguments& arguments, const SandboxFolders& folders) {
+    if (!arguments.no_sandbox && enter_sandbox(folders) == 0)
+        std::fprintf(stderr, "anyrate worker: this kernel has no Landlock; the worker can read what its user can\n");
+}
+
+/// Looks through an upload that no job has been made of yet.
+int judge(const WorkerArguments& arguments) {
+    apply_worker_limits({.memory_bytes = arguments.memory_mb << 20,
+                         .file_bytes = 1,
+                         .open_files = most_open_files,
+                         .processor_time = judging_time,
+                         .parent = arguments.parent});
+    SandboxFolders folders{.readable = system_files(), .writable = {}};
+    folders.readable.push_back(arguments.judged_zip);
+    confine(arguments, folders);
+    say_judgement(arguments.judged_zip,
+                  [](const JudgementMessage& message) { send(encode_judgement_message(message)); });
+    return 0;
 }
 
 int work(const WorkerArguments& arguments) {
+    if (!arguments.judged_zip.empty()) return judge(arguments);
     const ModelPaths paths = model_paths(arguments.data, arguments.model_id);
     apply_worker_limits({.memory_bytes = arguments.memory_mb << 20,
                          .file_bytes = largest_file,
                          .open_files = most_open_files,
                          .parent = arguments.parent});
-    if (!arguments.no_sandbox && enter_sandbox(folders_of(paths)) == 0)
-        std::fprintf(stderr, "anyrate worker: this kernel has no Landlock; the worker can read what its user can\n");
+    confine(arguments, {.readable = system_files(), .writable = {paths.folder}});
     const Interrupt interrupt;
     DirectoryLogStore store(arguments.data);
     bool done = false;
@@ -65,7 +97,7 @@ int work(const WorkerArguments& arguments) {
         real_job_steps(), store,
         [&](const WorkerMessage& message) {
             done = done || std::holds_alternative<JobDone>(message);
-            report(message);
+            send(encode_worker_message(message));
         },
         interrupt.token());
     return done ? 0 : 1;
@@ -77,7 +109,9 @@ void add_worker(CLI::App& app, Command& command) {
     auto arguments = std::make_shared<WorkerArguments>();
     CLI::App* sub = app.add_subcommand("worker", "make one model of a data directory (serve starts this by itself)");
     sub->add_option("--data", arguments->data, "data directory")->required();
-    sub->add_option("--model", arguments->model_id, "id of a model whose capture is there")->required();
+    CLI::Option* model = sub->add_option("--model", arguments->model_id, "id of a model whose capture is there");
+    CLI::Option* judge = sub->add_option("--judge", arguments->judged_zip, "instead, look through a capture in a zip");
+    model->excludes(judge);
     sub->add_option("--epoch", arguments->epoch, "of the lease on the model; a worker with an earlier one is refused")
         ->capture_default_str();
     sub->add_option("--vertices", arguments->options.n_vertices, "of the finest mesh")->capture_default_str();

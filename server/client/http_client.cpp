@@ -1,16 +1,14 @@
 #include "server/client/http_client.h"
 
 #include <algorithm>
-#include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "server/client/client_stream.h"
 
 namespace anyrate {
 namespace {
@@ -24,23 +22,26 @@ using Parser = http::response_parser<http::buffer_body>;
 constexpr std::size_t max_text = 16u << 20;
 
 template <class Body>
-void fill(http::request<Body>& message, const ClientRequest& request, const Url& server) {
+void fill(http::request<Body>& message, const ClientRequest& request, const Url& server, const ServerAccess& access) {
     message.method_string(request.method);
     message.target(request.target);
     message.version(11);
     message.set(http::field::host, server.authority());
     message.set(http::field::user_agent, "anyrate");
+    if (!access.token.empty()) message.set(http::field::authorization, "Bearer " + access.token);
     for (const auto& [name, value] : request.headers) message.set(name, value);
 }
 
 }  // namespace
 
 struct HttpClient::State {
+    State(Url where, ClientOptions how) : server(std::move(where)), options(std::move(how)), link(options.link) {}
+
     Url server;
-    std::chrono::seconds patience;
+    ClientOptions options;
     Link link;
     asio::io_context io{1};
-    std::optional<beast::tcp_stream> stream;
+    std::optional<ClientStream> stream;
     beast::flat_buffer buffer;
     std::unique_ptr<Parser> parser;  ///< of the response that is being read
     std::uint64_t n_received = 0;
@@ -49,7 +50,7 @@ struct HttpClient::State {
     template <class Start>
     ErrorCode run(const Start& start) {
         ErrorCode result = asio::error::would_block;
-        if (stream) stream->expires_after(patience);
+        if (stream) stream->expires_after(options.patience);
         start([&result](ErrorCode error, auto&&...) { result = error; });
         io.restart();
         io.run();
@@ -62,15 +63,15 @@ struct HttpClient::State {
     }
 
     void connect() {
-        asio::ip::tcp::resolver resolver(io);
-        asio::ip::tcp::resolver::results_type addresses;
-        ErrorCode error;
-        addresses = resolver.resolve(server.host, server.port, error);
-        expect(error, "find");
-        stream.emplace(io);
-        expect(run([&](auto done) { stream->async_connect(addresses, std::move(done)); }), "connect to");
-        stream->socket().set_option(asio::ip::tcp::no_delay(true));
+        stream.emplace(io, server, options.access);
+        try {
+            stream->connect(options.patience);
+        } catch (const IoError&) {
+            close();
+            throw;
+        }
         link.round_trip();
+        if (server.is_secure) link.round_trip();  // TLS greets once more
         buffer.clear();
     }
     void close() {
@@ -81,12 +82,12 @@ struct HttpClient::State {
     ErrorCode send(const ClientRequest& request) {
         if (!request.body) {
             http::request<http::empty_body> message;
-            fill(message, request, server);
+            fill(message, request, server, options.access);
             if (request.method == "POST") message.prepare_payload();
             return run([&](auto done) { http::async_write(*stream, message, std::move(done)); });
         }
         http::request<http::file_body> message;
-        fill(message, request, server);
+        fill(message, request, server, options.access);
         ErrorCode error;
         message.body().open(request.body->c_str(), beast::file_mode::scan, error);
         if (error) throw IoError("cannot open " + request.body->string() + ": " + error.message());
@@ -118,12 +119,8 @@ struct HttpClient::State {
     }
 };
 
-HttpClient::HttpClient(const Url& server, std::chrono::seconds patience, LinkOptions link)
-    : state_(std::make_unique<State>()) {
-    state_->server = server;
-    state_->patience = patience;
-    state_->link = Link(link);
-}
+HttpClient::HttpClient(const Url& server, ClientOptions options)
+    : state_(std::make_unique<State>(server, std::move(options))) {}
 
 HttpClient::~HttpClient() = default;
 

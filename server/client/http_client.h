@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/client/link.h"
+#include "server/client/server_access.h"
 #include "server/client/url.h"
 
 namespace anyrate {
@@ -29,15 +30,20 @@ struct ClientResponse {
     std::string content_range;
 };
 
+struct ClientOptions {
+    ServerAccess access = {};
+    std::chrono::seconds patience = std::chrono::seconds(30);  ///< for each step
+    LinkOptions link = {};
+};
+
 /// A connection to one server, kept between requests and made anew when it broke. Every wait has a deadline.
 class HttpClient {
 public:
-    explicit HttpClient(const Url& server, std::chrono::seconds patience = std::chrono::seconds(30),
-                        LinkOptions link = {});
+    explicit HttpClient(const Url& server, ClientOptions options = {});
     ~HttpClient();
 
     /// Sends a request and reads the response's header. What is left of an earlier body is given up.
-    /// @throws IoError the server cannot be reached or does not answer
+    /// @throws IoError the server cannot be reached, does not answer, or is not the one it says it is (UntrustedServer)
     ClientResponse open(const ClientRequest& request);
     /// The next bytes of the body: up to `n`, fewer only where it ends. @throws IoError
     std::vector<std::byte> read(std::size_t n);

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,6 +11,7 @@
 
 #include "core/error.h"
 #include "proto/log_reader.h"
+#include "server/client/client_stream.h"
 #include "server/client/http_client.h"
 
 namespace anyrate {
@@ -28,18 +27,18 @@ constexpr auto patience = std::chrono::seconds(30);
 /// A WebSocket whose every step has a deadline.
 class Socket {
 public:
-    Socket(const Url& server, const std::string& target, LinkOptions link) : link_(link), socket_(io_) {
-        asio::ip::tcp::resolver resolver(io_);
-        ErrorCode error;
-        const auto addresses = resolver.resolve(server.host, server.port, error);
-        if (error) throw IoError("cannot find " + server.authority() + ": " + error.message());
-        auto& stream = beast::get_lowest_layer(socket_);
-        stream.expires_after(patience);
-        expect(run([&](auto done) { stream.async_connect(addresses, std::move(done)); }));
-        stream.expires_never();
+    Socket(const Url& server, const std::string& target, const LiveOptions& options)
+        : link_(options.link), socket_(io_, server, options.access) {
+        socket_.next_layer().connect(patience);
+        socket_.next_layer().expires_never();
         link_.round_trip();
+        if (server.is_secure) link_.round_trip();  // TLS greets once more
         socket_.set_option(websocket::stream_base::timeout{
             .handshake_timeout = patience, .idle_timeout = patience * 2, .keep_alive_pings = true});
+        if (!options.access.token.empty())
+            socket_.set_option(websocket::stream_base::decorator([&options](websocket::request_type& request) {
+                request.set(beast::http::field::authorization, "Bearer " + options.access.token);
+            }));
         socket_.read_message_max(80u << 20);  // a frame is 64 MB at most (FORMAT.md, "Limits")
         handshake(server, target);
         link_.round_trip();
@@ -82,7 +81,7 @@ private:
 
     Link link_;
     asio::io_context io_{1};
-    websocket::stream<beast::tcp_stream> socket_;
+    websocket::stream<ClientStream> socket_;
 };
 
 /// What a client has of a log, and whether it was told the end.
@@ -133,7 +132,7 @@ void follow_once(Follower& follower, const Url& server, const std::string& model
     Socket socket(server,
                   model_target + "/live?vertices=" + std::to_string(options.max_vertices) +
                       "&from=" + std::to_string(follower.next_sequence()),
-                  options.link);
+                  options);
     while (!follower.has_ended) {
         const Socket::Message message = socket.read();
         if (message.is_text)
@@ -153,6 +152,8 @@ std::vector<std::byte> follow_live(const Url& server, const std::string& model_t
         const std::size_t before = follower.log.size();
         try {
             follow_once(follower, server, model_target, options);
+        } catch (const UntrustedServer&) {
+            throw;
         } catch (const IoError&) {
             n_failures = follower.log.size() > before ? 1 : n_failures + 1;
             if (n_failures > options.max_reconnects) throw;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/client/link.h"
+#include "server/client/server_access.h"
 #include "server/client/trace.h"
 #include "server/client/url.h"
 
@@ -13,6 +14,7 @@ namespace anyrate {
 struct LiveOptions {
     std::uint32_t max_vertices = 0xFFFFFFFF;
     int max_reconnects = 10;  ///< in a row without a new frame
+    ServerAccess access = {};
     LinkOptions link = {};
 };
 

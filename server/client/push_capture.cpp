@@ -22,6 +22,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr int max_tries = 4;
+constexpr std::chrono::seconds patience(60);  // a server judges what was sent before it answers
 
 nlohmann::json parse_answer(const std::string& body) {
     auto json = nlohmann::json::parse(body, nullptr, false);
@@ -35,6 +36,8 @@ auto with_retries(const Ask& ask_server) {
     for (int n = 1;; ++n) {
         try {
             return ask_server();
+        } catch (const UntrustedServer&) {
+            throw;
         } catch (const IoError&) {
             if (n == max_tries) throw;
         }
@@ -49,19 +52,17 @@ nlohmann::json exchange(HttpClient& client, const ClientRequest& request) {
     return parse_answer(client.read_text());
 }
 
-std::string post_model(const Url& server, const ClientRequest& request) {
+HttpClient client_of(const Url& server, const ServerAccess& access) {
+    return HttpClient(server, {.access = access, .patience = patience});
+}
+
+std::string post_model(const Url& server, const ClientRequest& request, const ServerAccess& access) {
     return with_retries([&] {
-        HttpClient client(server);
+        HttpClient client = client_of(server, access);
         const std::string id = exchange(client, request).value("id", "");
         if (!is_model_id(id)) throw IoError("the server's answer holds no model id");
         return id;
     });
-}
-
-using Fields = std::vector<std::pair<std::string, std::string>>;
-
-Fields authorization(const PushOptions& options) {
-    return options.token.empty() ? Fields{} : Fields{{"Authorization", "Bearer " + options.token}};
 }
 
 struct LocalFile {
@@ -125,9 +126,9 @@ std::set<std::string> arrived_files(const nlohmann::json& listing, const std::ve
 }
 
 /// Brings every file that is not there yet. @return the id of the capture
-std::string upload_files(const Url& server, const std::vector<LocalFile>& files, const PushOptions& options) {
-    HttpClient client(server);
-    ClientRequest begin{.method = "POST", .target = "/v1/captures", .headers = authorization(options), .body = {}};
+std::string upload_files(const Url& server, const std::vector<LocalFile>& files, const ServerAccess& access) {
+    HttpClient client = client_of(server, access);
+    ClientRequest begin{.method = "POST", .target = "/v1/captures", .headers = {}, .body = {}};
     begin.headers.emplace_back("Idempotency-Key", key_of(files));
     const auto listing = with_retries([&] { return exchange(client, begin); });
     const std::string id = listing.value("id", "");
@@ -137,7 +138,7 @@ std::string upload_files(const Url& server, const std::vector<LocalFile>& files,
         if (arrived.contains(file.path)) continue;
         ClientRequest put{.method = "PUT",
                           .target = "/v1/captures/" + id + "/files/" + percent_encoded(file.path),
-                          .headers = authorization(options),
+                          .headers = {},
                           .body = file.file};
         put.headers.emplace_back("Content-Digest", "sha-256=:" + to_base64(file.digest) + ":");
         with_retries([&] { return exchange(client, put); });
@@ -146,17 +147,16 @@ std::string upload_files(const Url& server, const std::vector<LocalFile>& files,
 }
 
 /// The model is made: its capture needs not be kept a second time.
-void forget_capture(const Url& server, const std::string& id, const PushOptions& options) {
+void forget_capture(const Url& server, const std::string& id, const ServerAccess& access) {
     try {
-        HttpClient(server).open(
-            {.method = "DELETE", .target = "/v1/captures/" + id, .headers = authorization(options), .body = {}});
+        client_of(server, access).open({.method = "DELETE", .target = "/v1/captures/" + id, .headers = {}, .body = {}});
     } catch (const IoError&) {
         // The server removes it itself after some days.
     }
 }
 
-RemoteState ask(const Url& server, const std::string& id) {
-    HttpClient client(server);
+RemoteState ask(const Url& server, const std::string& id, const ServerAccess& access) {
+    HttpClient client = client_of(server, access);
     const ClientResponse response = client.open({.target = "/v1/models/" + id, .headers = {}, .body = {}});
     if (response.status != 200) throw_problem(client, response);
     const auto json = parse_answer(client.read_text());
@@ -174,30 +174,32 @@ std::string push_capture(const Url& server, const std::filesystem::path& capture
     const bool is_folder = std::filesystem::is_directory(capture);
     if (!is_folder && !std::filesystem::is_regular_file(capture))
         throw InputError(capture.string() + ": expected the folder or the zip of a capture");
-    ClientRequest request{.method = "POST", .target = "/v1/models?", .headers = authorization(options), .body = {}};
+    ClientRequest request{.method = "POST", .target = "/v1/models?", .headers = {}, .body = {}};
     request.headers.emplace_back("Idempotency-Key", new_model_id());
     if (options.n_vertices) request.target += "vertices=" + std::to_string(*options.n_vertices) + "&";
     if (!is_folder) {
         request.headers.emplace_back("Content-Type", "application/zip");
         request.body = capture;
-        return post_model(server, request);
+        return post_model(server, request, options.access);
     }
-    const std::string arrived = upload_files(server, files_of_capture(capture), options);
+    const std::string arrived = upload_files(server, files_of_capture(capture), options.access);
     request.target += "capture=" + arrived;
-    const std::string id = post_model(server, request);
-    forget_capture(server, arrived, options);
+    const std::string id = post_model(server, request, options.access);
+    forget_capture(server, arrived, options.access);
     return id;
 }
 
-RemoteState wait_for_model(const Url& server, const std::string& id,
+RemoteState wait_for_model(const Url& server, const std::string& id, const ServerAccess& access,
                            const std::function<void(const RemoteState&)>& on_change) {
     auto last_answer = steady_clock::now();
     for (;;) {
         try {
-            const RemoteState state = ask(server, id);
+            const RemoteState state = ask(server, id, access);
             last_answer = steady_clock::now();
             on_change(state);
             if (state.state != "queued" && state.state != "running") return state;
+        } catch (const UntrustedServer&) {
+            throw;
         } catch (const IoError&) {
             if (steady_clock::now() - last_answer > std::chrono::minutes(1)) throw;
         }

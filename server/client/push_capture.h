@@ -5,13 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "server/client/server_access.h"
 #include "server/client/url.h"
 
 namespace anyrate {
 
 struct PushOptions {
     std::optional<int> n_vertices;
-    std::string token;  ///< empty for a server without one
+    ServerAccess access = {};
 };
 
 /// Uploads a capture: a zip at once, a folder file by file. A request that broke is repeated; of a folder whose upload
@@ -29,7 +30,7 @@ struct RemoteState {
 
 /// Asks for the state twice a second until it is final. @param on_change  called at each new answer
 /// @throws InputError there is no such model, IoError the server does not answer for a minute
-RemoteState wait_for_model(const Url& server, const std::string& id,
+RemoteState wait_for_model(const Url& server, const std::string& id, const ServerAccess& access,
                            const std::function<void(const RemoteState&)>& on_change);
 
 }  // namespace anyrate

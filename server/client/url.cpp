@@ -7,7 +7,7 @@
 namespace anyrate {
 namespace {
 
-constexpr std::string_view scheme = "http://";
+constexpr std::string_view plain = "http://", secure = "https://";
 
 bool is_port(std::string_view text) {
     return !text.empty() && text.size() <= 5 &&
@@ -18,19 +18,20 @@ bool is_port(std::string_view text) {
 
 std::string Url::authority() const {
     const std::string name = host.find(':') == std::string::npos ? host : "[" + host + "]";
-    return port == "80" ? name : name + ":" + port;
+    return port == (is_secure ? "443" : "80") ? name : name + ":" + port;
 }
 
 Url parse_url(std::string_view text) {
     const auto refuse = [&](const std::string& why) { throw InputError("\"" + std::string(text) + "\": " + why); };
-    if (text.substr(0, scheme.size()) != scheme) refuse("expected an address that begins with http://");
-    std::string_view rest = text.substr(scheme.size());
+    const bool is_secure = text.starts_with(secure);
+    if (!is_secure && !text.starts_with(plain)) refuse("expected an address that begins with http:// or https://");
+    std::string_view rest = text.substr((is_secure ? secure : plain).size());
     rest = rest.substr(0, rest.find('#'));
     const auto end = std::min(rest.find_first_of("/?"), rest.size());
     std::string_view authority = rest.substr(0, end);
     const std::string_view target = rest.substr(end);
 
-    Url url;
+    Url url{.is_secure = is_secure, .host = {}, .port = is_secure ? "443" : "80"};
     if (authority.find('@') != std::string_view::npos) refuse("an address with a user name is not supported");
     const auto bracket = authority.find(']');
     const auto colon = authority.find(':', bracket == std::string_view::npos ? 0 : bracket);

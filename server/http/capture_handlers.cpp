@@ -4,13 +4,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/capture/relative_name.h"
 #include "core/error.h"
-#include "server/http/capture_verdict.h"
 #include "server/http/digest.h"
 #include "server/http/model_json.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
 #include "server/http/query.h"
+#include "server/jobs/capture_verdict.h"
 #include "server/store/mapped_file.h"
 #include "server/store/model_id.h"
 #include "server/store/zip_writer.h"
@@ -22,6 +23,7 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t max_files = 2000;
 constexpr std::size_t max_sentences = 20;
+constexpr std::size_t max_path = 200;
 
 Timestamp now() { return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now()); }
 
@@ -29,6 +31,21 @@ Response json_response(int status, const ordered_json& json) {
     return {.status = status,
             .headers = {{"Content-Type", "application/json"}, {"Cache-Control", "no-store"}},
             .body = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n"};
+}
+
+/// The path of a file of a capture: `images/NAME`, `masks/NAME` or `NAME.json`.
+/// @throws HttpProblem 400 saying what is expected
+std::string expect_capture_path(std::string_view path) {
+    const auto name = relative_name(path);
+    const auto slash = name ? name->find('/') : std::string::npos;
+    const bool is_image = name && slash != std::string::npos && name->find('/', slash + 1) == std::string::npos &&
+                          (name->substr(0, slash) == "images" || name->substr(0, slash) == "masks") &&
+                          !name->ends_with(".json");
+    const bool is_list = name && slash == std::string::npos && name->ends_with(".json");
+    if (!name || name->size() > max_path || !(is_image || is_list))
+        throw HttpProblem(400, "path \"" + std::string(path.substr(0, max_path)) +
+                                   "\": expected images/NAME, masks/NAME or NAME.json, 200 bytes at most");
+    return *name;
 }
 
 CaptureRecord expect_capture(Service& service, const std::string& id) {
@@ -88,8 +105,13 @@ std::string sentences(const CaptureVerdict& verdict) {
     return text;
 }
 
+/// @throws HttpProblem 422 with every fault, file by file
 void expect_complete(const CaptureVerdict& verdict) {
-    if (!verdict.is_complete()) throw HttpProblem(422, sentences(verdict));
+    if (verdict.is_complete()) return;
+    HttpProblem problem(422, sentences(verdict));
+    problem.faults = verdict.refused;
+    for (const std::string& path : verdict.missing) problem.faults.emplace_back(path, "the file is missing");
+    throw problem;
 }
 
 /// Equal keys are the same capture, also after a restart.
@@ -114,8 +136,8 @@ bool is_zip(const FormPart& part) {
     return as_text(part.bytes).substr(0, local_file_header.size()) == local_file_header;
 }
 
-/// The files of a form, judged as if they had arrived one by one.
-void write_zip_of_parts(const std::vector<FormPart>& parts, const std::filesystem::path& zip_file) {
+/// The files of a form, judged as if they had arrived one by one. @return what was found of them
+std::vector<CaptureFile> write_zip_of_parts(const std::vector<FormPart>& parts, const std::filesystem::path& zip_file) {
     CaptureRecord capture;
     std::optional<std::string> cameras;
     std::set<std::string> paths;
@@ -124,11 +146,15 @@ void write_zip_of_parts(const std::vector<FormPart>& parts, const std::filesyste
         const std::string path = path_of(part);
         if (!paths.insert(path).second) throw HttpProblem(400, path + ": the form has two parts of that name");
         capture.files.push_back(inspect_capture_file(path, part.bytes));
+        capture.files.back().sha256 = to_hex(sha256(part.bytes));
         if (path == "cameras.json" && capture.files.back().fault.empty()) cameras = std::string(as_text(part.bytes));
         zip.add(path, part.bytes);
     }
+    std::sort(capture.files.begin(), capture.files.end(),
+              [](const CaptureFile& a, const CaptureFile& b) { return a.path < b.path; });
     expect_complete(judge_capture(capture, cameras));
     zip.finish();
+    return std::move(capture.files);
 }
 
 }  // namespace
@@ -217,7 +243,26 @@ void expect_complete_capture(Service& service, const std::string& id) {
     expect_complete(verdict_of(service, expect_capture(service, id)));
 }
 
-void zip_arrived_capture(Service& service, const std::string& id, const std::filesystem::path& zip_file) {
+std::string capture_files_json(const std::vector<CaptureFile>& files) {
+    auto list = ordered_json::array();
+    for (const CaptureFile& file : files) list.push_back(to_json(file));
+    return list.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+std::vector<CaptureFile> judge_uploaded_zip(Service& service, const std::filesystem::path& zip) {
+    if (!service.judge_zip) return {};
+    JudgedCapture judged;
+    try {
+        judged = service.judge_zip(zip);
+    } catch (const InputError& error) {
+        throw HttpProblem(422, error.what());
+    }
+    expect_complete(judged.verdict);
+    return std::move(judged.files);
+}
+
+std::vector<CaptureFile> zip_arrived_capture(Service& service, const std::string& id,
+                                             const std::filesystem::path& zip_file) {
     const CaptureRecord capture = expect_capture(service, id);
     expect_complete(verdict_of(service, capture));
     ZipWriter zip(zip_file);
@@ -227,21 +272,26 @@ void zip_arrived_capture(Service& service, const std::string& id, const std::fil
     if (!was_there) throw HttpProblem(404, "there is no capture " + id);
     zip.finish();
     sync_file(open_if_exists(zip_file));
+    return capture.files;
 }
 
-void zip_form(std::string_view content_type, const std::filesystem::path& file) {
+std::vector<CaptureFile> zip_form(Service& service, std::string_view content_type, const std::filesystem::path& file) {
     std::filesystem::path zip_file = file;
     zip_file += ".zip";
     try {
+        std::vector<CaptureFile> files;
         const MappedFile body(file);
         const auto parts = parse_multipart(body.bytes(), multipart_boundary(content_type));
         if (parts.empty()) throw HttpProblem(400, "the form is empty: expected a zip of a capture, or its files");
-        if (parts.size() == 1 && is_zip(parts[0]))
+        if (parts.size() == 1 && is_zip(parts[0])) {
             replace_file(zip_file, parts[0].bytes);
-        else
-            write_zip_of_parts(parts, zip_file);
+            files = judge_uploaded_zip(service, zip_file);
+        } else {
+            files = write_zip_of_parts(parts, zip_file);
+        }
         sync_file(open_if_exists(zip_file));
         std::filesystem::rename(zip_file, file);
+        return files;
     } catch (...) {
         std::error_code ignored;  // the next start removes it
         std::filesystem::remove(zip_file, ignored);

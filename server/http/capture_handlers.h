@@ -1,6 +1,8 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "server/http/service.h"
 
@@ -22,10 +24,16 @@ Response put_capture_file(Service& service, const Request& request);
 
 /// @throws HttpProblem 404 there is no such capture, 422 it is not complete or a file of it cannot be used
 void expect_complete_capture(Service& service, const std::string& id);
-/// Writes the files of such a capture as a zip. @throws HttpProblem, IoError
-void zip_arrived_capture(Service& service, const std::string& id, const std::filesystem::path& zip);
+/// Has a zip looked through before any job begins. @return what was found of each file that the capture needs
+/// @throws HttpProblem 422 with every fault @throws IoError
+std::vector<CaptureFile> judge_uploaded_zip(Service& service, const std::filesystem::path& zip);
+/// Writes the files of such a capture as a zip. @return what was found of them @throws HttpProblem, IoError
+std::vector<CaptureFile> zip_arrived_capture(Service& service, const std::string& id, const std::filesystem::path& zip);
 /// Replaces a multipart/form-data body in `file` by a zip of the capture in it: one part that is a zip, or its files by
-/// their names. @throws HttpProblem 400, 422 @throws IoError
-void zip_form(std::string_view content_type, const std::filesystem::path& file);
+/// their names. @return what was found of them @throws HttpProblem 400, 422 @throws IoError
+std::vector<CaptureFile> zip_form(Service& service, std::string_view content_type, const std::filesystem::path& file);
+
+/// A JSON array of such files, as the interface shows them.
+std::string capture_files_json(const std::vector<CaptureFile>& files);
 
 }  // namespace anyrate

@@ -41,9 +41,10 @@ struct ServerContext {
     Sessions& sessions;
     LiveFeeds& live_feeds;
     Metrics& metrics;
-    asio::thread_pool& quick_pool;  ///< catalog and files
-    asio::thread_pool& heavy_pool;  ///< decoding of meshes
-    std::size_t hot_route = 0;      ///< number of the route of logs
+    asio::thread_pool& quick_pool;   ///< catalog and files
+    asio::thread_pool& heavy_pool;   ///< decoding of meshes
+    asio::thread_pool& upload_pool;  ///< what came with a body: syncing, hashing, judging, packing
+    std::size_t hot_route = 0;       ///< number of the route of logs
     HttpLimits limits;
     AccessRules access;
     std::vector<std::string> cors_origins;                ///< that browsers may ask from; "*" for any

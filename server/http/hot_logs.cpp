@@ -50,6 +50,13 @@ void HotLogs::forget(const std::string& id) {
     if (const auto found = by_id_.find(id); found != by_id_.end()) drop(found->second);
 }
 
+std::vector<std::string> HotLogs::ids() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> ids;
+    for (const Entry& entry : entries_) ids.push_back(entry.id);
+    return ids;
+}
+
 void HotLogs::drop(std::list<Entry>::iterator entry) {
     n_bytes_ -= bytes_of(*entry->log);
     by_id_.erase(entry->id);

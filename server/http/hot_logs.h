@@ -38,6 +38,9 @@ public:
     /// The model is removed.
     void forget(const std::string& id);
 
+    /// Of all that are kept.
+    std::vector<std::string> ids() const;
+
 private:
     static constexpr std::size_t max_logs = 256;  // each holds a file open
     struct Entry {

@@ -196,7 +196,7 @@ awaitable<std::uint64_t> receive_upload(Connection& connection, Parser& parser, 
         write_all(file, as_bytes(piece));
         n_bytes += piece.size();
     });
-    co_await on_pool(connection.context.quick_pool, [&] {
+    co_await on_pool(connection.context.upload_pool, [&] {
         sync_file(file);
         return true;
     });
@@ -220,7 +220,9 @@ awaitable<Response> handle(Connection& connection, Parser& parser, Request& requ
     ServerContext& context = connection.context;
     if (auto preflight = answer_preflight(request, context.cors_origins)) co_return std::move(*preflight);
     const Route& route = admit(context, request, account);
-    asio::thread_pool& pool = route.is_heavy ? context.heavy_pool : context.quick_pool;
+    asio::thread_pool& pool = route.takes_upload ? context.upload_pool
+                              : route.is_heavy   ? context.heavy_pool
+                                                 : context.quick_pool;
     if (!route.takes_upload) {
         if (!parser.is_done())
             co_await read_body(connection, parser, context.limits.max_small_body_bytes, [](std::string_view) {});

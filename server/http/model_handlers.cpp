@@ -74,23 +74,23 @@ std::string fingerprint(const Request& request, const ModelOptions& options) {
 }
 
 /// Puts the capture of a request, as a zip, in the place of its body: what arrived file by file, or the parts of a
-/// form.
-void expect_capture(Service& service, const Request& request) {
+/// form. @return what was found of each of its files @throws HttpProblem 400, 404, 422
+std::vector<CaptureFile> take_capture(Service& service, const Request& request) {
     const Upload& upload = request.upload.value();
     if (const auto capture = query_capture(request)) {
         if (upload.n_bytes > 0) throw HttpProblem(400, "a model of capture=" + *capture + " takes no body");
-        zip_arrived_capture(service, *capture, upload.file);
-    } else if (media_type(request) == "multipart/form-data") {
-        zip_form(*request.headers.find("Content-Type"), upload.file);
-    } else {
-        expect_zip(upload);
+        return zip_arrived_capture(service, *capture, upload.file);
     }
+    if (media_type(request) == "multipart/form-data")
+        return zip_form(service, *request.headers.find("Content-Type"), upload.file);
+    expect_zip(upload);
+    return judge_uploaded_zip(service, upload.file);
 }
 
-Response accepted(Service& service, const std::string& id) {
+Response accepted(Service& service, const std::string& id, const std::vector<CaptureFile>& files) {
     const auto model = service.catalog.find(id);
     if (!model) throw HttpProblem(404, "the model of this Idempotency-Key was deleted");
-    Response response = json_response(202, model_json(*model));
+    Response response = json_response(202, new_model_json(*model, capture_files_json(files)));
     response.headers.add("Location", "/v1/models/" + id);
     return response;
 }
@@ -114,7 +114,7 @@ void check_create_model(Service& service, const Request& request) {
 
 Response create_model(Service& service, const Request& request) {
     const ModelOptions options = query_options(request);
-    expect_capture(service, request);
+    const std::vector<CaptureFile> files = take_capture(service, request);
     const Upload& upload = request.upload.value();
     const std::string id = new_model_id();
     // The capture is in place before the catalog knows of it: a crash in between leaves a folder that the next start
@@ -129,7 +129,7 @@ Response create_model(Service& service, const Request& request) {
     if (added.kind == Added::Kind::key_reused)
         throw HttpProblem(422, "this Idempotency-Key was used for another request");
     service.on_queued();
-    return accepted(service, added.id);
+    return accepted(service, added.id, files);
 }
 
 Response list_models(Service& service, const Request& request) {

@@ -71,6 +71,12 @@ std::string model_json(const ModelRecord& model, std::span<const RatePoint> curv
 
 std::string model_json(const ModelRecord& model) { return to_text(to_json(model)); }
 
+std::string new_model_json(const ModelRecord& model, const std::string& files_json) {
+    ordered_json json = to_json(model);
+    json["files"] = ordered_json::parse(files_json);
+    return to_text(json);
+}
+
 std::string model_list_json(const ModelPage& page, std::size_t limit) {
     ordered_json json = {{"models", ordered_json::array()}};
     for (const ModelRecord& model : page.models) json["models"].push_back(to_json(model));

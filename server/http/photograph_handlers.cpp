@@ -23,7 +23,6 @@ namespace anyrate {
 namespace {
 
 constexpr const char* cameras_file = "cameras.json";
-constexpr std::uint64_t max_cameras_bytes = 8 << 20;
 
 /// A model's capture as it lies in its zip, of which no more is unpacked than is asked for.
 struct OpenCapture {

@@ -50,10 +50,12 @@ std::string status_phrase(int status) {
 }
 
 Response problem_response(const HttpProblem& problem) {
-    const nlohmann::ordered_json document = {{"type", "about:blank"},
-                                             {"title", status_phrase(problem.status)},
-                                             {"status", problem.status},
-                                             {"detail", problem.what()}};
+    nlohmann::ordered_json document = {{"type", "about:blank"},
+                                       {"title", status_phrase(problem.status)},
+                                       {"status", problem.status},
+                                       {"detail", problem.what()}};
+    for (const auto& [path, sentence] : problem.faults)
+        document["faults"].push_back({{"path", path}, {"fault", sentence}});
     Response response{.status = problem.status, .headers = problem.headers, .body = {}};
     response.headers.add("Content-Type", "application/problem+json");
     response.headers.add("Cache-Control", "no-store");

@@ -2,6 +2,8 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/http/message.h"
 
@@ -14,6 +16,7 @@ struct HttpProblem : std::runtime_error {
         : std::runtime_error(sentence), status(http_status), headers(std::move(fields)) {}
     int status;
     Headers headers;
+    std::vector<std::pair<std::string, std::string>> faults = {};  ///< of a capture: path and sentence of each
 };
 
 /// The standard phrase of a status: "Not Found".

@@ -176,6 +176,7 @@ struct Server::State {
     void join() {
         quick_pool.join();
         heavy_pool.join();
+        upload_pool.join();
         for (const auto& thread : threads) thread->stop();
     }
 
@@ -183,6 +184,17 @@ struct Server::State {
         SchedulerOptions jobs = options.jobs;
         jobs.on_stage = [this](const std::string& stage, double seconds) { metrics.stages.add(stage, seconds); };
         return jobs;
+    }
+
+    /// `anyrate gc` works on the same directory.
+    void forget_what_others_removed() {
+        for (const std::string& id : hot_logs.ids())
+            if (!catalog.find(id)) hot_logs.forget(id);
+    }
+
+    std::function<JudgedCapture(const std::filesystem::path&)> judge() {
+        if (!options.judge_command) return {};
+        return [this](const std::filesystem::path& zip) { return judge_upload(options.judge_command(zip)); };
     }
 
     ServerOptions options;
@@ -198,6 +210,7 @@ struct Server::State {
     Sessions sessions;
     asio::thread_pool quick_pool{4};
     asio::thread_pool heavy_pool{1};
+    asio::thread_pool upload_pool{4};
     Service service{.catalog = catalog,
                     .store = store,
                     .captures = captures,
@@ -210,6 +223,7 @@ struct Server::State {
                             scheduler->abandon(id);
                             events.notify(id);
                         },
+                    .judge_zip = judge(),
                     .max_capture_bytes = options.max_upload_bytes,
                     .viewer = ViewerFiles::load(options.viewer)};
     Router router = make_router(service);
@@ -222,6 +236,7 @@ struct Server::State {
                           .metrics = metrics,
                           .quick_pool = quick_pool,
                           .heavy_pool = heavy_pool,
+                          .upload_pool = upload_pool,
                           .limits = limits_of(options),
                           .access = {tokens, options.is_private, !endpoint.address().is_loopback()},
                           .cors_origins = options.cors_origins,
@@ -233,8 +248,10 @@ struct Server::State {
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
     std::optional<Scheduler> scheduler{std::in_place,          catalog,        events,
                                        options.worker_command, counted_jobs(), options.log};
-    Housekeeper housekeeper{catalog,    options.data, options.keep, housekeeping_interval, service.on_removed,
-                            options.log};
+    Housekeeper housekeeper{
+        catalog, options.data, options.keep, housekeeping_interval, service.on_removed, options.log, [this] {
+            forget_what_others_removed();
+        }};
 };
 
 Server::Server(ServerOptions options) {

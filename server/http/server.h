@@ -10,6 +10,7 @@
 
 #include "server/http/access_record.h"
 #include "server/jobs/housekeeping.h"
+#include "server/jobs/judge_upload.h"
 #include "server/jobs/scheduler.h"
 
 namespace anyrate {
@@ -30,6 +31,7 @@ struct ServerOptions {
     SchedulerOptions jobs = {};
     KeepRule keep = {};  ///< of finished models
     WorkerCommand worker_command;
+    JudgeCommand judge_command = {};  ///< for zips that are uploaded; empty: they are left to the job
     LogLine log;
     std::function<void(const AccessRecord&)> log_access = {};  ///< takes requests; empty for none
     int log_from_status = 0;  ///< only those whose answer has such a status or a higher

@@ -19,7 +19,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t chunk = 1 << 20;
 
-/// The order matters while a worker writes: what speaks of a log before the log, which then has at least as much.
+/// The order matters while a worker writes: what speaks of a log before the log, which then has at least as much. The
+/// lease stays behind: nobody holds one on the copy, and one that was given out since the catalog was copied would keep
+/// out the next.
 std::vector<fs::path> in_copying_order(const ModelPaths& paths) {
     std::vector<fs::path> files{paths.capture};
     for (const char* suffix : {".mark", ".checkpoint", ".idx", ""}) {
@@ -28,7 +30,6 @@ std::vector<fs::path> in_copying_order(const ModelPaths& paths) {
         files.push_back(file);
     }
     files.push_back(paths.sealed_log);
-    files.push_back(paths.lease);
     return files;
 }
 

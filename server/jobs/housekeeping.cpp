@@ -84,13 +84,14 @@ void clear(Catalog& catalog, const Clearing& clearing, const fs::path& data,
 
 Housekeeper::Housekeeper(Catalog& catalog, fs::path data, KeepRule rule, std::chrono::milliseconds interval,
                          std::function<void(const std::string& id)> on_removed,
-                         std::function<void(const std::string&)> log)
+                         std::function<void(const std::string&)> log, std::function<void()> each_round)
     : catalog_(catalog),
       data_(std::move(data)),
       rule_(rule),
       interval_(interval),
       on_removed_(std::move(on_removed)),
       log_(std::move(log)),
+      each_round_(std::move(each_round)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 Housekeeper::~Housekeeper() = default;
@@ -105,6 +106,7 @@ void Housekeeper::run(const std::stop_token& stop) {
                 log_("cleared " + std::to_string(clearing.models.size()) + " models and " +
                      std::to_string(clearing.leftovers.size()) + " leftovers, " + std::to_string(clearing.n_bytes) +
                      " bytes");
+            each_round_();
         } catch (const IoError& error) {
             log_(std::string("clearing: ") + error.what());
         }

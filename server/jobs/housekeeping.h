@@ -42,9 +42,13 @@ void clear(Catalog& catalog, const Clearing& clearing, const std::filesystem::pa
 /// Clears a data directory from time to time, on a thread of its own.
 class Housekeeper {
 public:
-    /// Everything given must outlive it. @param log  takes one line for each clearing that removed something
-    Housekeeper(Catalog& catalog, std::filesystem::path data, KeepRule rule, std::chrono::milliseconds interval,
-                std::function<void(const std::string& id)> on_removed, std::function<void(const std::string&)> log);
+    /// Everything given must outlive it.
+    /// @param log         takes one line for each clearing that removed something
+    /// @param each_round  called after each; may throw IoError
+    Housekeeper(
+        Catalog& catalog, std::filesystem::path data, KeepRule rule, std::chrono::milliseconds interval,
+        std::function<void(const std::string& id)> on_removed, std::function<void(const std::string&)> log,
+        std::function<void()> each_round = [] {});
     ~Housekeeper();
 
 private:
@@ -55,6 +59,7 @@ private:
     KeepRule rule_;
     std::chrono::milliseconds interval_;
     std::function<void(const std::string&)> on_removed_, log_;
+    std::function<void()> each_round_;
     std::mutex mutex_;
     std::condition_variable_any woken_;
     std::jthread thread_;

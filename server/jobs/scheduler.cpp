@@ -16,11 +16,13 @@ namespace {
 
 using std::chrono::steady_clock;
 
-Timestamp now() { return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now()); }
-
 constexpr const char* recovered_error = "the server stopped, or lost its worker, in every attempt at this model";
 
 }  // namespace
+
+Timestamp wall_clock() {
+    return std::chrono::time_point_cast<std::chrono::milliseconds>(std::chrono::system_clock::now());
+}
 
 /// One attempt: passes a worker's messages to the catalog until its output ends, and settles how it ended.
 class Scheduler::Attempt {
@@ -51,7 +53,7 @@ private:
         const auto record = scheduler_.catalog_.find(model_.id);
         if (!record || record->state != ModelState::running || record->epoch != lease_.epoch) return false;
         worker_.emplace(command);
-        scheduler_.running_[model_.id] = worker_->pid();
+        scheduler_.running_.insert_or_assign(model_.id, Running{worker_->pid(), lease_});
         return true;
     }
 
@@ -78,10 +80,10 @@ private:
             if (!std::exchange(has_complained_, true)) scheduler_.log_("model " + model_.id + ": " + error.what());
         }
     }
-    void apply(const JobBegun& begun) { keep(scheduler_.catalog_.begin(lease_, begun.n_bytes, now())); }
+    void apply(const JobBegun& begun) { keep(scheduler_.catalog_.begin(lease_, begun.n_bytes, scheduler_.now())); }
     void apply(const JobProgress& progress) {
         if (progress.stage != stage_) end_stage(progress.stage);
-        keep(scheduler_.catalog_.report(lease_, progress, now()));
+        keep(scheduler_.catalog_.report(lease_, progress, scheduler_.now()));
     }
     void apply(const RatePoint& point) { keep(scheduler_.catalog_.add_rate_point(lease_, point)); }
     void apply(const JobFailed& failed) { failed_ = failed; }
@@ -101,7 +103,7 @@ private:
         const auto time = steady_clock::now();
         if (time - renewed_ < scheduler_.options_.lease / 3) return;
         try {
-            keep(scheduler_.catalog_.renew(lease_, now() + scheduler_.options_.lease));
+            keep(scheduler_.catalog_.renew(lease_, scheduler_.now() + scheduler_.options_.lease));
             renewed_ = time;
         } catch (const IoError&) {  // it is tried again, as long as the lease lasts
             if (time - renewed_ > scheduler_.options_.lease) keep(false);
@@ -125,17 +127,17 @@ private:
         Catalog& catalog = scheduler_.catalog_;
         if (done_) {
             end_stage("");
-            catalog.finish(lease_, ModelState::done, "", now());
+            catalog.finish(lease_, ModelState::done, "", scheduler_.now());
             scheduler_.log_("model " + model_.id + ": done");
         } else if (failed_ && failed_->cause == FailureCause::capture) {
-            catalog.finish(lease_, ModelState::failed, failed_->error, now());
+            catalog.finish(lease_, ModelState::failed, failed_->error, scheduler_.now());
             scheduler_.log_("model " + model_.id + ": failed: " + failed_->error);
         } else if (scheduler_.is_stopping()) {
-            catalog.give_back(lease_, now());
+            catalog.give_back(lease_, scheduler_.now());
         } else {
             const std::string error = failed_ ? failed_->error : "the worker process ended with " + how;
             catalog.retry(lease_, scheduler_.retry_rule(failed_ ? failed_->cause : FailureCause::machine), error,
-                          now());
+                          scheduler_.now());
             scheduler_.log_("model " + model_.id + ": attempt " + std::to_string(model_.attempts) + ": " + error);
         }
     }
@@ -179,7 +181,7 @@ void Scheduler::abandon(const std::string& id) {
     std::unique_lock lock(mutex_);
     const auto worker = running_.find(id);
     if (worker == running_.end()) return;
-    ::kill(worker->second, SIGKILL);
+    ::kill(worker->second.worker, SIGKILL);
     woken_.wait_for(lock, std::chrono::seconds(5), [&] { return !running_.contains(id); });
 }
 
@@ -190,6 +192,13 @@ void Scheduler::stop() {
     }
     woken_.notify_all();
     slots_.clear();  // joins
+}
+
+std::vector<Lease> Scheduler::running_leases() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<Lease> leases;
+    for (const auto& [id, running] : running_) leases.push_back(running.lease);
+    return leases;
 }
 
 bool Scheduler::is_stopping() const {
@@ -235,7 +244,13 @@ void Scheduler::run_attempt(const ModelRecord& model) {
 }
 
 void Scheduler::recover_expired() {
-    const int n_recovered = catalog_.recover(now(), retry_rule(FailureCause::machine), recovered_error, now());
+    const std::lock_guard lock(recovery_mutex_);
+    const Timestamp time = now();
+    // Nobody looked for long: the clock was set forward, or the machine slept. Who runs here holds its lease all the
+    // same.
+    if (time - std::exchange(last_recovery_, time) > options_.lease / 3)
+        for (const Lease& lease : running_leases()) catalog_.renew(lease, time + options_.lease);
+    const int n_recovered = catalog_.recover(time, retry_rule(FailureCause::machine), recovered_error, now());
     if (n_recovered > 0) log_(std::to_string(n_recovered) + " models taken up again whose leases had run out");
 }
 

@@ -17,15 +17,19 @@
 
 namespace anyrate {
 
+/// The system's time.
+Timestamp wall_clock();
+
 struct SchedulerOptions {
-    int n_workers = 1;     ///< jobs at a time
-    int max_attempts = 3;  ///< in a row that get a job no further because its worker dies or its machine fails
+    int n_workers = 1;      ///< jobs at a time
+    int max_attempts = 3;   ///< in a row that get a job no further because its worker dies or its machine fails
     int max_restarts = 20;  ///< likewise, because the server dies: seldom a job's fault
     std::chrono::milliseconds stop_patience = std::chrono::seconds(5);  ///< for a worker that was told to stop
     std::chrono::milliseconds job_limit = std::chrono::hours(6);        ///< after this a worker is killed
     std::chrono::milliseconds retry_delay = std::chrono::seconds(1);    ///< before a job that failed is tried again
     std::chrono::milliseconds room_delay = std::chrono::seconds(10);    ///< before one that found the disk full is
     std::chrono::milliseconds lease = std::chrono::seconds(30);         ///< renewed three times as often
+    std::function<Timestamp()> clock = wall_clock;                      ///< tests put another in its place
     /// Told when a stage of a job has ended, and how many seconds it took; called from several threads.
     std::function<void(const std::string& stage, double seconds)> on_stage = {};
 };
@@ -61,6 +65,8 @@ private:
     void run_slot();
     void run_attempt(const ModelRecord& model);
     void recover_expired();
+    std::vector<Lease> running_leases() const;
+    Timestamp now() const { return options_.clock(); }
     RetryRule retry_rule(FailureCause cause) const;
     bool is_stopping() const;
 
@@ -70,11 +76,18 @@ private:
     SchedulerOptions options_;
     LogLine log_;
 
+    std::mutex recovery_mutex_;
+    Timestamp last_recovery_{};  ///< under recovery_mutex_
+
     mutable std::mutex mutex_;
     std::condition_variable woken_;
     bool stopping_ = false;
     std::uint64_t n_wakes_ = 0;
-    std::map<std::string, pid_t> running_;  ///< worker of each running model
+    struct Running {
+        pid_t worker;
+        Lease lease;
+    };
+    std::map<std::string, Running> running_;  ///< of each running model
     std::vector<std::jthread> slots_;
 };
 

@@ -43,6 +43,8 @@ void apply_worker_limits(const WorkerLimits& limits) {
         limit(RLIMIT_FSIZE, limits.file_bytes, "files");
     }
     if (limits.open_files != 0) limit(RLIMIT_NOFILE, static_cast<rlim_t>(limits.open_files), "open files");
+    if (limits.processor_time.count() != 0)
+        limit(RLIMIT_CPU, static_cast<rlim_t>(limits.processor_time.count()), "processor time");
     ::setpriority(PRIO_PROCESS, 0, 5);
 }
 

@@ -20,6 +20,7 @@ auto io(const Work& work) {
     try {
         return work();
     } catch (const fs::filesystem_error& error) {
+        if (error.code() == std::errc::no_space_on_device) throw DiskFull(error.what());
         throw IoError(error.what());
     }
 }
@@ -62,8 +63,19 @@ bool CaptureStore::is_there(const std::string& id) const {
     return is_model_id(id) && io([&] { return fs::exists(folder(id) / "files.json"); });
 }
 
-CaptureRecord CaptureStore::create(const std::string& id, Timestamp now) {
+std::shared_ptr<std::shared_mutex> CaptureStore::mutex_of(const std::string& id) {
     const std::lock_guard lock(mutex_);
+    if (const auto known = mutexes_.find(id); known != mutexes_.end())
+        if (auto mutex = known->second.lock()) return mutex;
+    std::erase_if(mutexes_, [](const auto& entry) { return entry.second.expired(); });
+    auto mutex = std::make_shared<std::shared_mutex>();
+    mutexes_[id] = mutex;
+    return mutex;
+}
+
+CaptureRecord CaptureStore::create(const std::string& id, Timestamp now) {
+    const auto mutex = mutex_of(id);
+    const std::lock_guard lock(*mutex);
     if (is_there(id)) return read(id);
     const CaptureRecord capture{.id = id, .created = now, .files = {}};
     io([&] { fs::create_directories(folder(id) / "files"); });
@@ -73,7 +85,8 @@ CaptureRecord CaptureStore::create(const std::string& id, Timestamp now) {
 }
 
 std::optional<CaptureRecord> CaptureStore::find(const std::string& id) {
-    const std::lock_guard lock(mutex_);
+    const auto mutex = mutex_of(id);
+    const std::shared_lock lock(*mutex);
     if (!is_there(id)) return std::nullopt;
     return read(id);
 }
@@ -98,26 +111,29 @@ CapturePage CaptureStore::list(std::size_t limit, const std::string& after) {
 }
 
 bool CaptureStore::put(const std::string& id, const CaptureFile& file, const fs::path& upload) {
-    const std::lock_guard lock(mutex_);
+    const auto mutex = mutex_of(id);
+    const std::lock_guard lock(*mutex);
     if (!is_there(id)) return false;
-    const fs::path place = folder(id) / "files" / file.path;
-    io([&] {
-        fs::create_directories(place.parent_path());
-        fs::rename(upload, place);
-    });
-    sync_folder(place.parent_path());
     CaptureRecord capture = read(id);
-    const auto at = std::lower_bound(capture.files.begin(), capture.files.end(), file, comes_before);
-    if (at != capture.files.end() && at->path == file.path)
-        *at = file;
-    else
-        capture.files.insert(at, file);
+    auto at = std::lower_bound(capture.files.begin(), capture.files.end(), file, comes_before);
+    if (at != capture.files.end() && at->path == file.path) {
+        // A crash between here and the end leaves no list that speaks of the earlier bytes.
+        at = capture.files.erase(at);
+        write(capture);
+    }
+    const fs::path place = folder(id) / "files" / file.path;
+    const bool is_new_folder = io([&] { return fs::create_directories(place.parent_path()); });
+    io([&] { fs::rename(upload, place); });
+    sync_folder(place.parent_path());
+    if (is_new_folder) sync_folder(folder(id) / "files");
+    capture.files.insert(at, file);
     write(capture);
     return true;
 }
 
 bool CaptureStore::remove(const std::string& id) {
-    const std::lock_guard lock(mutex_);
+    const auto mutex = mutex_of(id);
+    const std::lock_guard lock(*mutex);
     if (!is_there(id)) return false;
     io([&] {
         fs::remove(folder(id) / "files.json");  // first, so that a crash leaves no capture with half its files
@@ -127,17 +143,21 @@ bool CaptureStore::remove(const std::string& id) {
 }
 
 int CaptureStore::remove_older(Timestamp time) {
-    std::vector<std::string> old;
-    {
-        const std::lock_guard lock(mutex_);
-        for (const auto& entry : io([&] { return std::vector<fs::path>{fs::directory_iterator(root_), {}}; })) {
-            const std::string id = entry.filename().string();
-            if (is_there(id) ? read(id).created < time : is_model_id(id)) old.push_back(id);
-        }
+    int n_removed = 0;
+    for (const auto& entry : io([&] { return std::vector<fs::path>{fs::directory_iterator(root_), {}}; })) {
+        const std::string id = entry.filename().string();
+        if (!is_model_id(id)) continue;
+        const auto mutex = mutex_of(id);
+        const std::lock_guard lock(*mutex);
+        // What a crash left of one has no list.
+        if (is_there(id) && read(id).created >= time) continue;
+        io([&] {
+            fs::remove(folder(id) / "files.json");
+            fs::remove_all(folder(id));
+        });
+        ++n_removed;
     }
-    for (const std::string& id : old)
-        if (!remove(id)) io([&] { fs::remove_all(folder(id)); });  // what a crash left of one
-    return static_cast<int>(old.size());
+    return n_removed;
 }
 
 CaptureRecord CaptureStore::read(const std::string& id) const {

@@ -3,8 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <vector>
 
@@ -38,7 +41,8 @@ struct CapturePage {
 };
 
 /// The captures of a data directory: DATA/captures/<id>/files/... and a list of what has arrived, files.json. What a
-/// call acknowledges has survived a crash. Safe to call from several threads.
+/// call acknowledges has survived a crash. Safe to call from several threads: who reads a capture waits for nobody but
+/// who changes the same one.
 class CaptureStore {
 public:
     /// Makes DATA/captures. @throws IoError
@@ -55,10 +59,11 @@ public:
     bool put(const std::string& id, const CaptureFile& file, const std::filesystem::path& upload);
     /// @return whether it was there @throws IoError
     bool remove(const std::string& id);
-    /// Where the files of a capture are. Under a lock that a removal waits for, as long as `use` runs.
+    /// Where the files of a capture are. A change of it waits as long as `use` runs.
     template <class Use>
     bool with_files(const std::string& id, const Use& use) {
-        const std::lock_guard lock(mutex_);
+        const auto mutex = mutex_of(id);
+        const std::shared_lock lock(*mutex);
         if (!is_there(id)) return false;
         use(folder(id) / "files");
         return true;
@@ -67,13 +72,16 @@ public:
     int remove_older(Timestamp time);
 
 private:
+    /// The lock of one capture. It lives while anybody has it.
+    std::shared_ptr<std::shared_mutex> mutex_of(const std::string& id);
     std::filesystem::path folder(const std::string& id) const;
     bool is_there(const std::string& id) const;
     CaptureRecord read(const std::string& id) const;
     void write(const CaptureRecord& capture) const;
 
     std::filesystem::path root_;
-    std::mutex mutex_;
+    std::mutex mutex_;  ///< of the map
+    std::map<std::string, std::weak_ptr<std::shared_mutex>> mutexes_;
 };
 
 }  // namespace anyrate

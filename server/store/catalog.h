@@ -65,7 +65,7 @@ inline Lease lease_of(const ModelRecord& claimed) { return {claimed.id, claimed.
 struct RetryRule {
     int max_fruitless = 3;   ///< attempts in a row that took the curve no further than it has been; then it fails
     bool is_counted = true;  ///< whether this attempt may be one of them
-    Timestamp not_before{};  ///< of the next attempt
+    Timestamp not_before{};  ///< of the next attempt; more than ten minutes ahead counts for nothing
 };
 
 struct NewModel {

@@ -340,13 +340,16 @@ std::vector<ModelRecord> SqliteCatalog::final_before(Timestamp before) {
 }
 
 std::optional<ModelRecord> SqliteCatalog::claim_next(Timestamp now, Timestamp lease_until) {
+    // An attempt is put off by seconds. One that lies further ahead was put off before the clock was set back.
+    constexpr auto longest_delay = std::chrono::minutes(10);
     const std::lock_guard lock(database_->mutex);
     return database_->transaction([&]() -> std::optional<ModelRecord> {
         std::string id;
         {
             Statement row(database_->handle,
-                          "SELECT id FROM model WHERE state = 'queued' AND not_before <= ? ORDER BY number LIMIT 1",
-                          to_number(now));
+                          "SELECT id FROM model WHERE state = 'queued' AND (not_before <= ? OR not_before > ?) "
+                          "ORDER BY number LIMIT 1",
+                          to_number(now), to_number(now + longest_delay));
             if (!row.next()) return std::nullopt;
             id = row.text(0);
         }

@@ -244,6 +244,15 @@ TEST_CASE_TEMPLATE("Catalog: a model is not claimed before its time, and holds u
     CHECK(catalog->claim_next(at(500))->id == early);
 }
 
+TEST_CASE_TEMPLATE("Catalog: a clock that was set back holds up no model", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string id = add(*catalog);
+    constexpr std::int64_t hour = 3'600'000;
+    catalog->retry(claim(*catalog), {.not_before = at(2 * hour + 1000)}, "", at(2 * hour));
+    CHECK(catalog->claim_next(at(hour))->id == id);
+}
+
 TEST_CASE_TEMPLATE("Catalog: models are counted by state, and the final ones found by age", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();

@@ -1,9 +1,12 @@
 """Decompression bombs and mutated captures: each is refused with a sentence of its own, or is harmless; no worker dies
 of one, and the server's memory stays flat.
 
+Most are refused before a job begins, by a process that looks through them; what only decoding tells fails its job.
+
 Bombs: zips that unpack to gigabytes, hold too many files or lie about sizes; images that claim or unpack to more pixels
 than a capture may have. Mutants: images inside a capture and whole zips, by zzuf. Times are from the upload to the
-refusal.
+refusal, as a clock tells them and as processors do: a refusal that takes more than a second of the server's and its
+processes' processor time is a fault. The clock's seconds are those of a machine that does other things too.
 """
 import io
 import json
@@ -116,16 +119,25 @@ def main():
         files = {str(f.relative_to(capture)): f.read_bytes() for f in sorted(capture.rglob("*"))
                  if f.suffix in (".png", ".json")}
         server = harness.Server(root / "data", "--workers", "2")
-        times, n_harmless, sentences = [], 0, set()
+        times, n_harmless, sentences = [], 0, set()  # times: pairs of clock and processor
+        n_at_once = 0
 
         def judge(kind, body, must_be_refused):
-            nonlocal n_harmless
-            begun = time.monotonic()
+            nonlocal n_harmless, n_at_once
+            begun, used = time.monotonic(), support.processor_seconds(server.process.pid)
+
+            def refused(sentence):
+                took = support.processor_seconds(server.process.pid) - used
+                times.append((time.monotonic() - begun, took))
+                sentences.add(sentence.split(":")[-1][:40])
+                findings.expect(len(sentence) > 10 and "ended the process" not in sentence, f"{kind}: {sentence or 'no sentence'}")
+                findings.expect(took <= 1, f"{kind}: refused after {took:.2f} s of processor time: {sentence}")
             status, _, answer = server.request("POST", "/v1/models?vertices=150&coarse=100", body,
                                                {"Content-Type": "application/zip"})
             if status != 202:
                 findings.expect(400 <= status < 500, f"{kind}: answered with {status}")
-                times.append(time.monotonic() - begun)
+                refused(json.loads(answer)["detail"])
+                n_at_once += 1
                 return
             model = json.loads(answer)["id"]
             state = server.model(model)
@@ -133,9 +145,8 @@ def main():
                 time.sleep(0.01)
                 state = server.model(model)
             if state["state"] == "failed":
-                times.append(time.monotonic() - begun)
                 error = state.get("error", "")
-                sentences.add(error.split(":")[-1][:40])
+                refused(error)
                 findings.expect(error and "worker process ended" not in error, f"{kind}: {error or 'no sentence'}")
                 findings.expect(state["attempts"] == 1, f"{kind}: took {state['attempts']} attempts")
             else:
@@ -160,12 +171,14 @@ def main():
         findings.expect(server.request("GET", "/healthz")[0] == 200, "the server is not well afterwards")
         findings.expect(server.stop() == 0, "the server did not end well")
 
-        def seconds(values):
-            ordered = sorted(values) or [0]
+        def seconds(pairs, which):
+            ordered = sorted(pair[which] for pair in pairs) or [0]
             return {"median": round(ordered[len(ordered) // 2], 3), "p99": round(ordered[int(0.99 * (len(ordered) - 1))], 3),
                     "most": round(ordered[-1], 3), "over_1": sum(value > 1 for value in ordered)}
-        findings.finish(bombs=n_bombs, mutants=given.times - n_bombs, harmless=n_harmless, kinds_of_sentences=len(sentences),
-                        seconds_to_refuse_bombs=seconds(bomb_times), seconds_to_refuse_mutants=seconds(times),
+        findings.finish(bombs=n_bombs, mutants=given.times - n_bombs, harmless=n_harmless, refused_at_once=n_at_once,
+                        kinds_of_sentences=len(sentences), seconds_to_refuse_bombs=seconds(bomb_times, 0),
+                        seconds_to_refuse_mutants=seconds(times, 0), processor_seconds_bombs=seconds(bomb_times, 1),
+                        processor_seconds_mutants=seconds(times, 1),
                         memory_before_mb=memory_before >> 20, memory_most_mb=memory_most >> 20,
                         memory_after_mb=memory_after >> 20)
 

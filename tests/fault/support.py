@@ -6,6 +6,7 @@ ends with 1 if anything was not as it has to be. Processes are killed by the num
 """
 import argparse
 import json
+import os
 import random
 import subprocess
 import sys
@@ -82,6 +83,13 @@ def rss_bytes(pid):
         if line.startswith("VmRSS:"):
             return int(line.split()[1]) * 1024
     return 0
+
+
+def processor_seconds(pid):
+    """That a process and those of its children that have ended have used: what a machine that stands still or is busy with
+    other things does not change."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return sum(int(field) for field in fields[11:15]) / os.sysconf("SC_CLK_TCK")
 
 
 def n_descriptors(pid):

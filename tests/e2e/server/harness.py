@@ -1,7 +1,9 @@
 """A server under test, a small capture, and a WebSocket client of a few lines; standard library only."""
 
+import atexit
 import base64
 import http.client
+import io
 import json
 import os
 import select
@@ -15,12 +17,14 @@ import tempfile
 import time
 import unittest
 import zipfile
+import zlib
 from pathlib import Path
 
 from openapi_check import Document
 
 ANYRATE = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else None
-PATIENCE = 120  # seconds until a wait counts as failed; far above what is needed
+# Seconds until a wait counts as failed; far above what is needed, but for a machine that stands still for minutes.
+PATIENCE = float(os.environ.get("ANYRATE_TEST_PATIENCE", 120))
 
 
 def run(*arguments, check=True):
@@ -29,6 +33,15 @@ def run(*arguments, check=True):
     if check and done.returncode != 0:
         raise AssertionError(f"anyrate {arguments[0]} gave {done.returncode}: {done.stderr}")
     return done
+
+
+def grey_png(width, height, value):
+    """A PNG of one grey."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = (b"\0" + bytes([value]) * width) * height
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 class Server:
@@ -41,6 +54,7 @@ class Server:
         self.process = subprocess.Popen(
             [ANYRATE, "serve", "--listen", "127.0.0.1:0", "--data", self.data, *options],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env={**os.environ, **(environment or {})})
+        atexit.register(self.kill_if_running)  # of a test that ended by an exception
         line = self.process.stdout.readline()
         if not line.startswith("listening on http"):
             raise AssertionError(f"the server did not start: {line!r}")
@@ -108,6 +122,10 @@ class Server:
     def live(self, model_id):
         """The log that live clients follow, also once the model is sealed."""
         return self.data / "models" / model_id / "log.live"
+
+    def kill_if_running(self):
+        if self.process.poll() is None:
+            self.process.kill()
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
@@ -223,6 +241,17 @@ class ServerTest(unittest.TestCase):
     def tearDown(self):
         if self.server.process.poll() is None:
             self.assertEqual(self.server.stop(), 0, "the server ends well")
+
+    def changed_zip(self, **changes):
+        """The capture with other bytes for some files, None for none: images__000 stands for images/000.png."""
+        changes = {name.replace("__", "/") + (".json" if name == "cameras" else ".png"): data for name, data in changes.items()}
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(self.zip) as before, zipfile.ZipFile(buffer, "w") as after:
+            for name in before.namelist():
+                data = changes.get(name, before.read(name))
+                if data is not None:
+                    after.writestr(name, data)
+        return buffer.getvalue()
 
     def post(self, query="", body=None, headers=None):
         return self.server.request("POST", "/v1/models" + query, self.zip.read_bytes() if body is None else body,

@@ -112,7 +112,7 @@ class BadRequests(ServerTest):
             connection.close()
         self.assertEqual(self.server.request("GET", "/healthz")[0], 200)
 
-    def test_a_bad_capture_makes_a_failed_model_with_a_sentence(self):
+    def test_a_bad_capture_is_refused_with_its_sentence_and_makes_no_model(self):
         for body in [
             zip_of(readme_dot_txt="no capture"),
             zip_of(cameras_dot_json="{ this is no json"),
@@ -121,13 +121,9 @@ class BadRequests(ServerTest):
         ]:
             with self.subTest(body=body[:60]):
                 status, _, answer = self.post(body=body)
-                self.assertEqual(status, 202)
-                model = self.server.wait_until_final(json.loads(answer)["id"])
-                self.assertEqual((model["state"], model["attempts"]), ("failed", 1))
-                self.assertGreater(len(model["error"]), 10)
-                status, _, problem = self.server.request("GET", f"/v1/models/{model['id']}/log")
-                self.assertEqual(status, 404)
-                self.assertIn("failed", json.loads(problem)["detail"])
+                self.assertEqual(status, 422)
+                self.assertGreater(len(json.loads(answer)["detail"]), 10)
+        self.assertEqual(json.loads(self.server.request("GET", "/v1/models")[2])["models"], [])
 
     def test_writing_needs_the_token_once_there_is_one(self):
         other = Server(self.folder / "other", environment={"ANYRATE_TOKEN": "secret"})

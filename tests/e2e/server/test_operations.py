@@ -3,7 +3,7 @@
 import time
 import unittest
 
-from harness import Server, ServerTest, run
+from harness import PATIENCE, Server, ServerTest, run
 
 JOB = "?vertices=8000&coarse=600"
 
@@ -35,9 +35,14 @@ class Operations(ServerTest):
         self.assertIn(f"model {model_id}", dry)
         self.assertIn("would remove 1 models", dry)
         self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}")[0], 200)
+        self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}/log")[0], 200)  # the server keeps it in memory
         self.assertIn("removed 1 models", run("gc", "--data", self.server.data, "--keep-days", 0).stdout)
         self.assertEqual(self.server.request("GET", f"/v1/models/{model_id}")[0], 404)
         self.assertFalse((self.server.data / "models" / model_id).exists())
+        deadline = time.monotonic() + PATIENCE
+        while self.server.request("GET", f"/v1/models/{model_id}/log")[0] != 404:
+            self.assertLess(time.monotonic(), deadline, "a server serves what another process has removed")
+            time.sleep(0.2)
 
     def test_a_model_is_deleted_at_any_moment_and_leaves_nothing(self):
         for pause in (0, 0.1, 0.4, 1.0, 2.0):

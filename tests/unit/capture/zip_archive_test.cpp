@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <fstream>
+
 #include "core/capture/relative_name.h"
 #include "core/error.h"
 #include "tests/unit/capture/capture_on_disk.h"
@@ -33,6 +35,23 @@ TEST_CASE("Zip: files come out as they went in") {
     REQUIRE(contents.size() == 2);
     CHECK(std::string(contents.at("a/b.txt").begin(), contents.at("a/b.txt").end()) == bytes);
     CHECK(contents.at("empty").empty());
+}
+
+TEST_CASE("Zip: files are handed out one by one, and what nobody wants is not unpacked") {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "x.zip";
+    std::string zip = make_zip({{"a", "first"}, {"b", std::string(1000, 'b')}, {"c", "third"}});
+    std::ofstream(file, std::ios::binary) << zip;
+    std::vector<std::string> names;
+    const auto take = [&](const std::string& name, const std::vector<std::uint8_t>&) { names.push_back(name); };
+    visit_zip(file, "x.zip", {}, take);
+    CHECK(names == std::vector<std::string>{"a", "b", "c"});
+    names.clear();
+    // Too many bytes in b, which is passed over.
+    visit_zip(file, "x.zip", {.max_bytes = 100}, take, [](const std::string& name) { return name != "b"; });
+    CHECK(names == std::vector<std::string>{"a", "c"});
+    CHECK_THROWS_AS(visit_zip(file, "x.zip", {.max_bytes = 100}, take), InputError);
+    CHECK_THROWS_AS(visit_zip(folder.path() / "none.zip", "x.zip", {}, take), IoError);
 }
 
 TEST_CASE("Zip: names in UTF-8 are kept, whatever the locale") {

@@ -91,6 +91,19 @@ TEST_CASE("Backup: of a job that was copied while it ran goes on in the copy, to
     CHECK(read_file(store.paths(id).sealed_log) == read_file(f.store.paths(id).sealed_log));
 }
 
+TEST_CASE("Backup: a lease that was given out since the catalog was copied keeps nobody out of the copy") {
+    Fixture f;
+    const std::string id = f.queued();
+    f.catalog.claim_next({});
+    f.logs.take(id, 7);  // as many attempts later
+    back_up(f.data, f.copy);
+    SqliteCatalog catalog(f.copy / "catalog.sqlite");
+    catalog.recover(Timestamp::max(), {}, "", {});
+    const Lease lease = lease_of(catalog.claim_next({}).value());
+    CHECK(lease.epoch < 7);
+    CHECK_NOTHROW(DirectoryLogStore(f.copy).take(id, lease.epoch));
+}
+
 TEST_CASE("Backup: whatever is written, finished and deleted meanwhile, what the copy lists is whole") {
     Fixture f;
     for (int i = 0; i < 10; ++i) f.finished();

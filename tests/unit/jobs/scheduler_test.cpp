@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <fstream>
 #include <future>
 #include <mutex>
@@ -121,6 +122,26 @@ TEST_CASE("Scheduler: a model that a dead server left running is run again") {
     const auto model = f.wait_for(id, [](const ModelRecord& m) { return is_final(m.state); });
     CHECK(model.state == ModelState::done);
     CHECK(model.attempts == 2);
+}
+
+TEST_CASE("Scheduler: a clock that is set forward takes no job from its worker") {
+    Fixture f;
+    std::atomic<std::int64_t> hours = 0;
+    f.options.n_workers = 2;  // one looks for leases that ran out while the other works
+    f.options.lease = std::chrono::milliseconds(1500);
+    f.options.clock = [&] { return wall_clock() + std::chrono::hours(hours); };
+    const std::string id = f.add();
+    const auto file = f.folder.path() / "go on";
+    Scheduler scheduler(f.catalog, f.events,
+                        f.shell("while ! [ -e '" + file.string() + "' ]; do sleep 0.05; done; " + done), f.options,
+                        [](const std::string&) {});
+    f.wait_for(id, [](const ModelRecord& m) { return m.state == ModelState::running; });
+    hours = 5;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // the other has looked once or twice
+    std::ofstream(file) << "now";
+    const auto model = f.wait_for(id, [](const ModelRecord& m) { return is_final(m.state); });
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 1);
 }
 
 TEST_CASE("Scheduler: an abandoned model's worker is gone when the call returns") {

@@ -21,8 +21,19 @@ TEST_CASE("Url: host, port and target") {
     CHECK(parse_url("http://[::1]:9/").authority() == "[::1]:9");
 }
 
+TEST_CASE("Url: https has a port of its own") {
+    const Url url = parse_url("https://example.org/a");
+    CHECK(url.is_secure);
+    CHECK(url.port == "443");
+    CHECK(url.authority() == "example.org");
+    CHECK(parse_url("https://h:8443").authority() == "h:8443");
+    CHECK(parse_url("https://h:80").authority() == "h:80");
+    CHECK(parse_url("http://h:443").authority() == "h:443");
+    CHECK_FALSE(parse_url("http://h").is_secure);
+}
+
 TEST_CASE("Url: what is no http address is refused") {
-    for (const char* text : {"", "ftp://h/", "https://h/", "h:80", "http://", "http://:80/", "http://u@h/",
+    for (const char* text : {"", "ftp://h/", "https:/h/", "https://", "h:80", "http://", "http://:80/", "http://u@h/",
                              "http://h:x/", "http://h:/", "http://h:123456/"})
         CHECK_THROWS_AS(parse_url(text), InputError);
 }

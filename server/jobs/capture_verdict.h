@@ -4,19 +4,15 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/store/capture_store.h"
 
 namespace anyrate {
 
-/// The path of a file of a capture: `images/NAME`, `masks/NAME` or `NAME.json`.
-/// @throws HttpProblem 400 saying what is expected
-std::string expect_capture_path(std::string_view path);
-
 /// What can be said of a file before any pixel is decoded: kind, size, and why a reconstruction could not use it. The
-/// job looks closer.
+/// job looks closer. `sha256` is left empty.
 CaptureFile inspect_capture_file(const std::string& path, std::span<const std::byte> bytes);
 
 /// What is still wrong with a capture as a whole.
@@ -28,5 +24,16 @@ struct CaptureVerdict {
 
 /// @param cameras_json  the bytes of cameras.json, if it has arrived and was accepted
 CaptureVerdict judge_capture(const CaptureRecord& capture, const std::optional<std::string>& cameras_json);
+
+/// A capture that came at once: what was found of each file that it needs, and of the whole.
+struct JudgedCapture {
+    std::vector<CaptureFile> files;  ///< by path, those that cameras.json names and itself
+    CaptureVerdict verdict;
+};
+
+/// Looks through a zip of a capture as far as it can be told without decoding pixels. It unpacks what somebody
+/// uploaded: call it in a process that has nothing to lose (judge_upload.h).
+/// @throws InputError it is no zip, or one that read_zip() refuses @throws IoError
+JudgedCapture judge_zip(const std::filesystem::path& zip);
 
 }  // namespace anyrate
