@@ -33,21 +33,6 @@ Response json_response(int status, const ordered_json& json) {
             .body = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n"};
 }
 
-/// The path of a file of a capture: `images/NAME`, `masks/NAME` or `NAME.json`.
-/// @throws HttpProblem 400 saying what is expected
-std::string expect_capture_path(std::string_view path) {
-    const auto name = relative_name(path);
-    const auto slash = name ? name->find('/') : std::string::npos;
-    const bool is_image = name && slash != std::string::npos && name->find('/', slash + 1) == std::string::npos &&
-                          (name->substr(0, slash) == "images" || name->substr(0, slash) == "masks") &&
-                          !name->ends_with(".json");
-    const bool is_list = name && slash == std::string::npos && name->ends_with(".json");
-    if (!name || name->size() > max_path || !(is_image || is_list))
-        throw HttpProblem(400, "path \"" + std::string(path.substr(0, max_path)) +
-                                   "\": expected images/NAME, masks/NAME or NAME.json, 200 bytes at most");
-    return *name;
-}
-
 CaptureRecord expect_capture(Service& service, const std::string& id) {
     auto capture = service.captures.find(id);
     if (!capture) throw HttpProblem(404, "there is no capture " + id);
@@ -158,6 +143,19 @@ std::vector<CaptureFile> write_zip_of_parts(const std::vector<FormPart>& parts, 
 }
 
 }  // namespace
+
+std::string expect_capture_path(std::string_view path) {
+    const auto name = relative_name(path);
+    const auto slash = name ? name->find('/') : std::string::npos;
+    const bool is_image = name && slash != std::string::npos && name->find('/', slash + 1) == std::string::npos &&
+                          (name->substr(0, slash) == "images" || name->substr(0, slash) == "masks") &&
+                          !name->ends_with(".json");
+    const bool is_list = name && slash == std::string::npos && name->ends_with(".json");
+    if (!name || name->size() > max_path || !(is_image || is_list))
+        throw HttpProblem(400, "path \"" + std::string(path.substr(0, max_path)) +
+                                   "\": expected images/NAME, masks/NAME or NAME.json, 200 bytes at most");
+    return *name;
+}
 
 Response create_capture(Service& service, const Request& request) {
     expect_only(request, {});

@@ -4,14 +4,25 @@
 #include <cstdint>
 #include <cstdlib>
 #include <span>
+#include <string>
 #include <string_view>
 
-#include "server/http/capture_verdict.h"
+#include "server/http/capture_handlers.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
+#include "server/jobs/capture_verdict.h"
 #include "server/store/file.h"
 
 using namespace anyrate;
+
+namespace {
+
+bool leads_out(const std::string& path) {
+    const std::string framed = "/" + path + "/";
+    return path.front() == '/' || framed.find("/../") != std::string::npos || path.find('\0') != std::string::npos;
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view input(reinterpret_cast<const char*>(data), size);
@@ -21,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const FormPart& part : parse_multipart(body, multipart_boundary(input.substr(0, line)))) {
             if (part.bytes.size() > body.size()) std::abort();
             const std::string path = expect_capture_path(part.filename);
-            if (path.front() == '/' || path.find("..") == 0) std::abort();
+            if (leads_out(path)) std::abort();
             inspect_capture_file(path, part.bytes);
         }
     } catch (const HttpProblem& problem) {
