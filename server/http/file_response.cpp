@@ -1,5 +1,7 @@
 #include "server/http/file_response.h"
 
+#include <utility>
+
 #include "server/http/problem.h"
 #include "server/http/range.h"
 
@@ -33,9 +35,12 @@ std::string cache_control(bool is_immutable) {
 
 void keep_from_shared_caches(Response& response) {
     constexpr std::string_view shared = "public,";
-    const auto field = response.headers.find("Cache-Control");
-    if (field && field->substr(0, shared.size()) == shared)
-        response.headers.replace("Cache-Control", "private," + std::string(field->substr(shared.size())));
+    Headers kept;
+    for (const auto& [name, value] : response.headers) {
+        const bool is_shared = name == "Cache-Control" && value.starts_with(shared);
+        kept.add(name, is_shared ? "private," + value.substr(shared.size()) : value);
+    }
+    response.headers = std::move(kept);
 }
 
 Response file_response(const Request& request, const Representation& representation) {

@@ -13,14 +13,6 @@ bool same_name(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-void Headers::replace(std::string_view name, std::string value) {
-    for (auto& [field, old] : fields_) {
-        if (!same_name(field, name)) continue;
-        old = std::move(value);
-        return;
-    }
-}
-
 std::optional<std::string_view> Headers::find(std::string_view name) const {
     for (const auto& [field, value] : fields_)
         if (same_name(field, name)) return value;

@@ -24,7 +24,6 @@ public:
     Headers(std::initializer_list<std::pair<std::string, std::string>> fields) : fields_(fields) {}
 
     void add(std::string name, std::string value) { fields_.emplace_back(std::move(name), std::move(value)); }
-    void replace(std::string_view name, std::string value);  ///< of the first field of that name, which is there
     /// The first field of that name.
     std::optional<std::string_view> find(std::string_view name) const;
     auto begin() const { return fields_.begin(); }

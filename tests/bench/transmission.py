@@ -5,7 +5,7 @@
 `anyrate serve` holds the model; `anyrate fetch --trace --throttle --latency` gets it over HTTP (ranges) and over the
 WebSocket. The Draco file (single rate, level 10, same grid, geometry only: without the colours that the log has) is what
 one would download instead: nothing is seen until its last byte, whose time is that of one request over the same link.
-Without --capture a vessel is simulated. Prints JSON; with --out also SVG plots.
+Without --capture a vessel is simulated. Prints JSON; with --out also CSV and SVG plots.
 """
 import argparse
 import json
@@ -31,6 +31,18 @@ def trace_of(build, url, folder, rate, latency, *options):
     frames = json.loads(trace.read_text())["frames"]
     # A colour frame repeats the distortion of the geometry before it; the mesh is complete with it.
     return [{key: frame[key] for key in ("seconds", "bytes", "vertices", "distortion")} for frame in frames]
+
+
+def steps(frames, end):
+    """What is seen at any time: a frame's distortion until the next one arrives."""
+    points = []
+    for frame in frames:
+        if frame["distortion"] is None:
+            continue
+        if points:
+            points.append((frame["seconds"], points[-1][1]))
+        points.append((frame["seconds"], frame["distortion"]))
+    return [*points, (end, points[-1][1])]
 
 
 def main():
@@ -62,6 +74,7 @@ def main():
                                      folder / "whole.arl"))
             result = {"machine": machine(), "capture": capture.name, "model": model, "log_bytes": (folder / "whole.arl").stat().st_size,
                       "single_rate": single, "links": {}}
+            rows = []
             for link, (rate, latency) in LINKS.items():
                 http = trace_of(options.build, url, folder, rate, latency)
                 socket = trace_of(options.build, url, folder, rate, latency, "--live")
@@ -75,14 +88,21 @@ def main():
                                          "half_of_the_gain_seconds": half, "all_seconds": http[-1]["seconds"]}
                 if options.out:
                     options.out.mkdir(parents=True, exist_ok=True)
-                    plot = line_plot(f"{capture.name} over {link}", "seconds", "distortion (Psi)", [
-                        Series("log over HTTP", [(f["seconds"], f["distortion"]) for f in http if f["distortion"]]),
-                        Series("log over WebSocket", [(f["seconds"], f["distortion"]) for f in socket if f["distortion"]],
-                               dashed=True),
-                        Series("finished mesh in Draco", [(seconds, http[0]["distortion"]), (seconds, whole)])])
+                    end = 1.1 * max(seconds, http[-1]["seconds"], socket[-1]["seconds"])
+                    plot = line_plot(f"{capture.name} over {link}, {2 * latency} ms there and back", "seconds",
+                                     "distortion (Psi)", [
+                        Series("log over HTTP", steps(http, end), dots=False),
+                        Series("log over WebSocket", steps(socket, end), dashed=True, dots=False),
+                        Series("finished mesh, single-rate Draco", [(seconds, http[0]["distortion"]), (seconds, whole),
+                                                                    (end, whole)], dots=False)])
                     slug = link.replace(" ", "_").replace("/", "_").replace(".", "_")
                     (options.out / f"transmission_{capture.name}_{slug}.svg").write_text(plot)
+                    rows += [f"{link},{path},{f['seconds']:.4f},{f['bytes']},{f['vertices']},{f['distortion']}"
+                             for path, frames in (("http", http), ("websocket", socket)) for f in frames]
+                    rows.append(f"{link},draco,{seconds:.4f},{single['bytes']},{single['vertices']},{whole}")
             if options.out:
+                table = "link,path,seconds,bytes,vertices,distortion\n" + "\n".join(rows) + "\n"
+                (options.out / f"transmission_{capture.name}.csv").write_text(table)
                 (options.out / f"transmission_{capture.name}.json").write_text(json.dumps(result, indent=1) + "\n")
             json.dump(result, sys.stdout, indent=1)
             print()
