@@ -51,11 +51,22 @@ std::optional<std::vector<std::uint8_t>> read_member(const OpenCapture& capture,
     return bytes;
 }
 
+/// @throws HttpProblem 404 also if it cannot be unpacked
+std::vector<std::uint8_t> expect_member(const OpenCapture& capture, const std::string& file) {
+    try {
+        if (auto bytes = read_member(capture, file)) return std::move(*bytes);
+    } catch (const InputError& error) {
+        throw HttpProblem(404, error.what());
+    }
+    throw HttpProblem(404, "the capture has no file " + file);
+}
+
 /// The capture of the model that the request names. @throws HttpProblem 404 also for one that is no sound capture
 OpenCapture open_capture(Service& service, const Request& request) {
     const ModelRecord model = expect_model(service, request);
     try {
         OpenCapture capture{service.store.paths(model.id).capture, {}, {}};
+        if (!std::filesystem::is_regular_file(capture.zip)) throw InputError("its capture is not here");
         capture.top = top_folder(names_in(capture.zip), capture.zip.filename().string(), cameras_file);
         const auto json = read_member(capture, cameras_file);
         if (!json || json->size() > max_cameras_bytes)
@@ -114,14 +125,13 @@ Response show_photograph(Service& service, const Request& request) {
     const auto& entries = capture.cameras.entries;
     if (number >= entries.size())
         throw HttpProblem(404, "photograph " + text + " of only " + std::to_string(entries.size()));
-    const auto bytes = read_member(capture, entries[number].file);
-    if (!bytes) throw HttpProblem(404, "the capture has no file " + entries[number].file);
-    const auto header = read_image_header(*bytes);
+    const std::vector<std::uint8_t> bytes = expect_member(capture, entries[number].file);
+    const auto header = read_image_header(bytes);
     if (!header) throw HttpProblem(404, entries[number].file + " is neither PNG nor JPEG");
     return {.headers = {{"Content-Type", header->kind == ImageKind::png ? "image/png" : "image/jpeg"},
                         {"Cache-Control", cache_control(true)},
                         {"Content-Security-Policy", "default-src 'none'"}},
-            .body = std::string(bytes->begin(), bytes->end())};
+            .body = std::string(bytes.begin(), bytes.end())};
 }
 
 }  // namespace anyrate
