@@ -2,6 +2,7 @@
 
 #include <signal.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -136,8 +137,9 @@ private:
             catalog.give_back(lease_, scheduler_.now());
         } else {
             const std::string error = failed_ ? failed_->error : "the worker process ended with " + how;
-            catalog.retry(lease_, scheduler_.retry_rule(failed_ ? failed_->cause : FailureCause::machine), error,
-                          scheduler_.now());
+            const RetryRule rule =
+                failed_ ? scheduler_.after_failure(failed_->cause, model_.attempts) : scheduler_.after_death();
+            catalog.retry(lease_, rule, error, scheduler_.now());
             scheduler_.log_("model " + model_.id + ": attempt " + std::to_string(model_.attempts) + ": " + error);
         }
     }
@@ -159,9 +161,7 @@ private:
 Scheduler::Scheduler(Catalog& catalog, ModelEvents& events, WorkerCommand command, SchedulerOptions options,
                      LogLine log)
     : catalog_(catalog), events_(events), command_(std::move(command)), options_(options), log_(std::move(log)) {
-    RetryRule at_once = retry_rule(FailureCause::machine);
-    at_once.max_fruitless = options_.max_restarts;
-    at_once.not_before = now();
+    const RetryRule at_once{.max_fruitless = options_.max_restarts, .not_before = now()};
     const int n_recovered = catalog_.recover(Timestamp::max(), at_once, recovered_error, now());
     if (n_recovered > 0) log_(std::to_string(n_recovered) + " interrupted models found");
     for (int i = 0; i < options_.n_workers; ++i) slots_.emplace_back([this] { run_slot(); });
@@ -237,7 +237,8 @@ void Scheduler::run_attempt(const ModelRecord& model) {
     } catch (const IoError& error) {
         // The worker could not be started, or its end not be written down; in the second case this fails as well, and
         // the lease will run out.
-        catalog_.retry(lease_of(model), retry_rule(FailureCause::machine), error.what(), now());
+        const RetryRule rule = after_failure(FailureCause::machine, model.attempts);
+        catalog_.retry(lease_of(model), rule, error.what(), now());
         events_.notify(model.id);
         throw;
     }
@@ -250,15 +251,27 @@ void Scheduler::recover_expired() {
     // same.
     if (time - std::exchange(last_recovery_, time) > options_.lease / 3)
         for (const Lease& lease : running_leases()) catalog_.renew(lease, time + options_.lease);
-    const int n_recovered = catalog_.recover(time, retry_rule(FailureCause::machine), recovered_error, now());
+    // Whose end could not be written down: the catalog's failure, not the job's.
+    const RetryRule rule{.max_fruitless = options_.max_attempts, .is_counted = false, .not_before = time};
+    const int n_recovered = catalog_.recover(time, rule, recovered_error, time);
     if (n_recovered > 0) log_(std::to_string(n_recovered) + " models taken up again whose leases had run out");
 }
 
-RetryRule Scheduler::retry_rule(FailureCause cause) const {
-    const bool is_counted = cause != FailureCause::no_room;
-    return {.max_fruitless = options_.max_attempts,
-            .is_counted = is_counted,
-            .not_before = now() + (is_counted ? options_.retry_delay : options_.room_delay)};
+RetryRule Scheduler::after_death() const {
+    return {.max_fruitless = options_.max_attempts, .not_before = now() + options_.retry_delay};
+}
+
+RetryRule Scheduler::after_failure(FailureCause cause, int n_attempts) const {
+    RetryRule rule = after_death();
+    if (cause == FailureCause::no_room) {
+        rule.is_counted = false;
+        rule.not_before = now() + options_.room_delay;
+    } else {
+        // A disk may fail for a while: ever longer waits, about three minutes in all.
+        rule.is_counted = n_attempts > options_.max_restarts;
+        rule.not_before = now() + std::min(options_.room_delay, n_attempts * options_.retry_delay);
+    }
+    return rule;
 }
 
 }  // namespace anyrate

@@ -21,9 +21,11 @@ namespace anyrate {
 Timestamp wall_clock();
 
 struct SchedulerOptions {
-    int n_workers = 1;      ///< jobs at a time
-    int max_attempts = 3;   ///< in a row that get a job no further because its worker dies or its machine fails
-    int max_restarts = 20;  ///< likewise, because the server dies: seldom a job's fault
+    int n_workers = 1;     ///< jobs at a time
+    int max_attempts = 3;  ///< in a row that get a job no further because its worker dies
+    /// Likewise, because the server dies: seldom a job's fault. So many attempts may also meet a disk that fails,
+    /// before another counts as if the worker had died.
+    int max_restarts = 20;
     std::chrono::milliseconds stop_patience = std::chrono::seconds(5);  ///< for a worker that was told to stop
     std::chrono::milliseconds job_limit = std::chrono::hours(6);        ///< after this a worker is killed
     std::chrono::milliseconds retry_delay = std::chrono::seconds(1);    ///< before a job that failed is tried again
@@ -67,7 +69,8 @@ private:
     void recover_expired();
     std::vector<Lease> running_leases() const;
     Timestamp now() const { return options_.clock(); }
-    RetryRule retry_rule(FailureCause cause) const;
+    RetryRule after_death() const;
+    RetryRule after_failure(FailureCause cause, int n_attempts) const;
     bool is_stopping() const;
 
     Catalog& catalog_;

@@ -45,7 +45,8 @@ void apply_worker_limits(const WorkerLimits& limits) {
     if (limits.open_files != 0) limit(RLIMIT_NOFILE, static_cast<rlim_t>(limits.open_files), "open files");
     if (limits.processor_time.count() != 0)
         limit(RLIMIT_CPU, static_cast<rlim_t>(limits.processor_time.count()), "processor time");
-    ::setpriority(PRIO_PROCESS, 0, 5);
+    // Below the server, whatever the server's own is.
+    ::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + 5);
 }
 
 }  // namespace anyrate

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -34,6 +35,16 @@ Pipe make_pipe() {
     return {FileHandle(ends[0]), FileHandle(ends[1])};
 }
 
+/// What a worker is told of the server's environment: all but the token, which it has no use for and somebody who took
+/// it over had.
+std::vector<char*> worker_environment() {
+    std::vector<char*> variables;
+    for (char** variable = environ; *variable; ++variable)
+        if (!std::string_view(*variable).starts_with("ANYRATE_TOKEN")) variables.push_back(*variable);
+    variables.push_back(nullptr);
+    return variables;
+}
+
 pid_t spawn(const std::vector<std::string>& command, const FileHandle& standard_output) {
     std::vector<char*> arguments;
     for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
@@ -54,7 +65,8 @@ pid_t spawn(const std::vector<std::string>& command, const FileHandle& standard_
     posix_spawnattr_setsigmask(&attributes, &no_signals);
 
     pid_t pid = -1;
-    const int error = ::posix_spawn(&pid, arguments[0], &actions, &attributes, arguments.data(), environ);
+    const std::vector<char*> environment = worker_environment();
+    const int error = ::posix_spawn(&pid, arguments[0], &actions, &attributes, arguments.data(), environment.data());
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     if (error != 0) throw IoError("cannot start " + command[0] + ": " + std::strerror(error));

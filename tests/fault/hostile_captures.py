@@ -163,7 +163,9 @@ def main():
                                            "PNG whose rows never end", "lying zip"))
             memory_most = max(memory_most, support.rss_bytes(server.process.pid))
         bomb_times, times = times, []
-        for i in range(given.times - n_bombs):
+        n_mutants = 0
+        for i in support.rounds(given.times - n_bombs):
+            n_mutants += 1
             judge("mutant", mutant(files, given.random, given.seed * 100_000 + i, root), False)
             memory_most = max(memory_most, support.rss_bytes(server.process.pid))
         memory_after = support.rss_bytes(server.process.pid)
@@ -175,7 +177,7 @@ def main():
             ordered = sorted(pair[which] for pair in pairs) or [0]
             return {"median": round(ordered[len(ordered) // 2], 3), "p99": round(ordered[int(0.99 * (len(ordered) - 1))], 3),
                     "most": round(ordered[-1], 3), "over_1": sum(value > 1 for value in ordered)}
-        findings.finish(bombs=n_bombs, mutants=given.times - n_bombs, harmless=n_harmless, refused_at_once=n_at_once,
+        findings.finish(bombs=n_bombs, mutants=n_mutants, harmless=n_harmless, refused_at_once=n_at_once,
                         kinds_of_sentences=len(sentences), seconds_to_refuse_bombs=seconds(bomb_times, 0),
                         seconds_to_refuse_mutants=seconds(times, 0), processor_seconds_bombs=seconds(bomb_times, 1),
                         processor_seconds_mutants=seconds(times, 1),

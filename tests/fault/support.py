@@ -8,6 +8,7 @@ import argparse
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 import tempfile
@@ -51,6 +52,16 @@ def make_capture(anyrate, folder, views=12, width=160, height=120):
             if file.is_file() and file.suffix in (".png", ".json"):
                 out.write(file, file.relative_to(capture))
     return capture, archive
+
+
+def rounds(n):
+    """0 to n - 1; fewer if the test is told to end (SIGTERM): then it says what it has seen so far."""
+    told = []
+    signal.signal(signal.SIGTERM, lambda *_: told.append(True))
+    for i in range(n):
+        if told:
+            return
+        yield i
 
 
 def temporary_folder():

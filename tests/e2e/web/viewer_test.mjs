@@ -389,13 +389,21 @@ test("Trouble: without WebGL the page says so, and still offers the downloads", 
         await page.locator(".downloads").getByText("PLY").waitFor();
     }));
 
+/** An image that looks sound and cannot be decoded: the job finds that out. */
+const jpegWithoutTables = (width, height) =>
+    Buffer.concat([
+        Buffer.from([0xff, 0xd8, 0xff, 0xc0, 0, 17, 8, height >> 8, height & 255, width >> 8, width & 255]),
+        Buffer.from([3, 1, 0x22, 0, 2, 0x11, 1, 3, 0x11, 1, 0xff, 0xda, 0, 12, 3, 1, 0, 2, 0x11, 3, 0x11, 0, 63, 0]),
+        Buffer.alloc(64),
+        Buffer.from([0xff, 0xd9]),
+    ]);
+
 test("Trouble: a failed job and a model that is not there have their sentences", () =>
     withPage({ expected: [/404/] }, async (page) => {
-        const response = await fetch(`${server.url}/v1/models`, {
-            method: "POST",
-            headers: { "Content-Type": "application/zip" },
-            body: Buffer.from("504b0304", "hex"),
-        });
+        const form = new FormData();
+        for (const name of readdirSync(capture, { recursive: true }).filter((file) => /^images.*png$|^masks.*png$|cameras.json$/.test(file)))
+            form.append("file", new Blob([name === "images/000.png" ? jpegWithoutTables(320, 240) : readFileSync(join(capture, name))]), name);
+        const response = await fetch(`${server.url}/v1/models`, { method: "POST", body: form });
         const failed = (await response.json()).id;
         await page.goto(`${proxy.url}/models/${failed}`);
         await page.getByText("The reconstruction failed").waitFor();

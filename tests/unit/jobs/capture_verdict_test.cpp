@@ -141,8 +141,8 @@ TEST_CASE("Judgement: a message is the same after its line is read") {
 
 TEST_CASE("Judgement: what a process says is put together, and how it ends is told") {
     const auto shell = [](const std::string& script) { return judge_upload({"/bin/sh", "-c", script}); };
-    const std::string file = "echo '" + encode_judgement_message(CaptureFile{.path = "cameras.json"}) + "';";
-    const std::string end = "echo '" + encode_judgement_message(JudgementEnd{}) + "';";
+    const std::string file = "printf %s '" + encode_judgement_message(CaptureFile{.path = "cameras.json"}) + "';";
+    const std::string end = "printf %s '" + encode_judgement_message(JudgementEnd{}) + "';";
     const JudgedCapture judged = shell(file + "echo '{\"type\":\"missing\",\"path\":\"m\"}';" + end);
     CHECK(judged.files.size() == 1);
     CHECK(judged.verdict.missing == std::vector<std::string>{"m"});

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <future>
 #include <mutex>
@@ -88,6 +89,16 @@ TEST_CASE("Scheduler: a worker that dies is started again, up to the limit") {
     const ModelRecord model = f.run("kill -9 $$");
     CHECK(model.state == ModelState::failed);
     CHECK(model.error == "the worker process ended with signal 9");
+}
+
+TEST_CASE("Scheduler: a worker does not learn the server's token") {
+    Fixture f;
+    ::setenv("ANYRATE_TOKEN", "secret", 1);
+    ::setenv("ANYRATE_OTHER", "thing", 1);
+    const ModelRecord model = f.run("[ -z \"$ANYRATE_TOKEN\" ] && [ \"$ANYRATE_OTHER\" = thing ] && " + done);
+    ::unsetenv("ANYRATE_TOKEN");
+    ::unsetenv("ANYRATE_OTHER");
+    CHECK(model.state == ModelState::done);
 }
 
 TEST_CASE("Scheduler: noise on a worker's output does no harm") {
@@ -191,6 +202,19 @@ TEST_CASE("Scheduler: a job that gets further at each attempt is tried for as lo
         done);
     CHECK(model.state == ModelState::done);
     CHECK(model.attempts == 8);
+}
+
+TEST_CASE("Scheduler: a job whose disk fails for a while is tried again longer than one whose worker dies") {
+    Fixture f;
+    const std::string failed = "echo '{\"type\":\"failed\",\"error\":\"no disk\",\"cause\":\"machine\"}'; exit 1";
+    const ModelRecord model = f.run("if [ $2 -lt 9 ]; then " + failed + "; fi; [ $2 -gt 10 ] || kill -9 $$; " + done);
+    CHECK(model.state == ModelState::done);
+    CHECK(model.attempts == 11);
+    f.options.max_restarts = 4;
+    const ModelRecord lost = f.run(failed);
+    CHECK(lost.state == ModelState::failed);
+    CHECK(lost.error == "no disk");
+    CHECK(lost.attempts == 7);  // four that may, and three in a row
 }
 
 TEST_CASE("Scheduler: a job that finds the disk full waits for room, however often") {
