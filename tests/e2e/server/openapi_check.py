@@ -114,6 +114,14 @@ class Document:
         for i, item in enumerate(value):
             self.validate(item, rule, f"{where}[{i}]")
 
+    def check_minItems(self, value, rule, where, _):
+        if len(value) < rule:
+            raise Mismatch(f"{where}: fewer than {rule} items")
+
+    def check_maxItems(self, value, rule, where, _):
+        if len(value) > rule:
+            raise Mismatch(f"{where}: more than {rule} items")
+
     def check_enum(self, value, rule, where, _):
         if value not in rule:
             raise Mismatch(f"{where}: {value!r} is none of {rule}")
