@@ -8,7 +8,7 @@ import re
 
 ANNOTATIONS = {"description", "example", "default", "format", "title"}
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
-EVERYWHERE = {400, 401, 403, 404, 405, 408, 413, 414, 431, 500, 503}  # problems that any request may meet
+EVERYWHERE = {400, 401, 403, 404, 405, 408, 413, 414, 431, 500, 501, 503}  # problems that any request may meet
 
 
 class Mismatch(AssertionError):
