@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "server/cli/commands.h"
+#include "server/cli/config_file.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/job_options.h"
 #include "server/cli/listen_address.h"
@@ -23,6 +24,7 @@ namespace {
 
 struct ServeCommand {
     std::string listen = "127.0.0.1:8080";
+    std::filesystem::path config;
     std::filesystem::path data = "anyrate-data";
     std::filesystem::path viewer = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "viewer";
     std::string token;
@@ -146,7 +148,10 @@ void add_operation_options(CLI::App& sub, ServeCommand& request) {
 void add_serve(CLI::App& app, Command& command) {
     auto request = std::make_shared<ServeCommand>();
     CLI::App* sub = app.add_subcommand("serve", "take captures and serve models over HTTP");
-    sub->set_config("--config", "", "read options from a file of lines like workers=2; flags and environment go first");
+    sub->add_option("--config", request->config,
+                    "read options from a file of lines like workers=2; flags and environment go first")
+        ->envname("ANYRATE_CONFIG")
+        ->configurable(false);
     sub->add_option("--listen", request->listen,
                     "address and port; port 0 takes a free one; beyond loopback needs a token")
         ->envname("ANYRATE_LISTEN")
@@ -165,7 +170,10 @@ void add_serve(CLI::App& app, Command& command) {
     sub->footer(
         "The configuration file has the same names as the flags, without dashes: workers=2. SIGTERM ends the server\n"
         "when the answers that are under way have been sent, 30 s at most.");
-    sub->callback([request, &command] { command = [request] { return serve(*request); }; });
+    sub->callback([request, &command, sub] {
+        if (!request->config.empty()) read_config_file(*sub, request->config);
+        command = [request] { return serve(*request); };
+    });
 }
 
 }  // namespace anyrate

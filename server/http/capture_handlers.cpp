@@ -33,21 +33,6 @@ Response json_response(int status, const ordered_json& json) {
             .body = json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n"};
 }
 
-/// The path of a file of a capture: `images/NAME`, `masks/NAME` or `NAME.json`.
-/// @throws HttpProblem 400 saying what is expected
-std::string expect_capture_path(std::string_view path) {
-    const auto name = relative_name(path);
-    const auto slash = name ? name->find('/') : std::string::npos;
-    const bool is_image = name && slash != std::string::npos && name->find('/', slash + 1) == std::string::npos &&
-                          (name->substr(0, slash) == "images" || name->substr(0, slash) == "masks") &&
-                          !name->ends_with(".json");
-    const bool is_list = name && slash == std::string::npos && name->ends_with(".json");
-    if (!name || name->size() > max_path || !(is_image || is_list))
-        throw HttpProblem(400, "path \"" + std::string(path.substr(0, max_path)) +
-                                   "\": expected images/NAME, masks/NAME or NAME.json, 200 bytes at most");
-    return *name;
-}
-
 CaptureRecord expect_capture(Service& service, const std::string& id) {
     auto capture = service.captures.find(id);
     if (!capture) throw HttpProblem(404, "there is no capture " + id);
@@ -159,6 +144,19 @@ std::vector<CaptureFile> write_zip_of_parts(const std::vector<FormPart>& parts, 
 
 }  // namespace
 
+std::string expect_capture_path(std::string_view path) {
+    const auto name = relative_name(path);
+    const auto slash = name ? name->find('/') : std::string::npos;
+    const bool is_image = name && slash != std::string::npos && name->find('/', slash + 1) == std::string::npos &&
+                          (name->substr(0, slash) == "images" || name->substr(0, slash) == "masks") &&
+                          !name->ends_with(".json");
+    const bool is_list = name && slash == std::string::npos && name->ends_with(".json");
+    if (!name || name->size() > max_path || !(is_image || is_list))
+        throw HttpProblem(400, "path \"" + std::string(path.substr(0, max_path)) +
+                                   "\": expected images/NAME, masks/NAME or NAME.json, 200 bytes at most");
+    return *name;
+}
+
 Response create_capture(Service& service, const Request& request) {
     expect_only(request, {});
     const std::string_view key = request.headers.find("Idempotency-Key").value_or("");
@@ -167,6 +165,25 @@ Response create_capture(Service& service, const Request& request) {
     Response response = json_response(201, to_json(capture, verdict_of(service, capture)));
     response.headers.add("Location", "/v1/captures/" + capture.id);
     return response;
+}
+
+Response list_captures(Service& service, const Request& request) {
+    expect_only(request, {"limit", "after"});
+    const auto limit = query_integer(request, "limit", 1, 1000).value_or(100);
+    const auto after = request.query.find("after");
+    if (after != request.query.end() && !is_model_id(after->second))
+        throw HttpProblem(400, "after=" + after->second + ": expected the id of a capture");
+    const CapturePage page =
+        service.captures.list(static_cast<std::size_t>(limit), after == request.query.end() ? "" : after->second);
+    ordered_json json = {{"captures", ordered_json::array()}};
+    for (const CaptureRecord& capture : page.captures)
+        json["captures"].push_back({{"id", capture.id},
+                                    {"created", iso_time(capture.created)},
+                                    {"bytes", capture.n_bytes()},
+                                    {"n_files", capture.files.size()},
+                                    {"links", {{"self", "/v1/captures/" + capture.id}}}});
+    if (page.more) json["next"] = "/v1/captures?limit=" + std::to_string(limit) + "&after=" + page.captures.back().id;
+    return json_response(200, json);
 }
 
 Response show_capture(Service& service, const Request& request) {

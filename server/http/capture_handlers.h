@@ -8,9 +8,15 @@
 
 namespace anyrate {
 
+/// The path of a file of a capture: `images/NAME`, `masks/NAME` or `NAME.json`.
+/// @throws HttpProblem 400 saying what is expected
+std::string expect_capture_path(std::string_view path);
+
 /// POST /v1/captures: begins a capture that arrives file by file. With an Idempotency-Key, a repeated request, also of
 /// another day, gives the same capture, so that an upload that broke goes on.
 Response create_capture(Service& service, const Request& request);
+/// GET /v1/captures: a page of them.
+Response list_captures(Service& service, const Request& request);
 /// GET /v1/captures/{id}: what has arrived, whether each file can be used, and what is missing.
 Response show_capture(Service& service, const Request& request);
 Response delete_capture(Service& service, const Request& request);

@@ -26,9 +26,11 @@ struct HttpLimits {
     std::chrono::seconds header_patience =
         std::chrono::seconds(20);                                   ///< from one response to the end of the next header
     std::chrono::seconds body_patience = std::chrono::seconds(30);  ///< for each 64 KB of a body
-    std::chrono::seconds write_patience = std::chrono::seconds(30);  ///< for a reader that takes less than 4 KB
-    std::size_t live_message_bytes = 16 * 1024;                      ///< frames are coalesced up to about this
-    std::size_t live_queue_bytes = 256 * 1024;                       ///< of a live client in the kernel
+    /// For a reader that takes less than 4 KB. Deadlines and progress are looked at four times a second: it is gone 30
+    /// s after it took its last bytes at the latest.
+    std::chrono::seconds write_patience = std::chrono::seconds(29);
+    std::size_t live_message_bytes = 16 * 1024;  ///< frames are coalesced up to about this
+    std::size_t live_queue_bytes = 256 * 1024;   ///< of a live client in the kernel
 };
 
 /// What all connections share; outlives them.

@@ -5,11 +5,15 @@
 namespace anyrate {
 namespace {
 
+bool is_any_origin(const std::vector<std::string>& origins) {
+    return std::find(origins.begin(), origins.end(), "*") != origins.end();
+}
+
 /// What Access-Control-Allow-Origin says to a request; nullopt if its origin is not allowed.
 std::optional<std::string> allowed_origin(const Request& request, const std::vector<std::string>& origins) {
     const auto origin = request.headers.find("Origin");
     if (!origin || origins.empty()) return std::nullopt;
-    if (std::find(origins.begin(), origins.end(), "*") != origins.end()) return "*";
+    if (is_any_origin(origins)) return "*";
     if (std::find(origins.begin(), origins.end(), *origin) != origins.end()) return std::string(*origin);
     return std::nullopt;
 }
@@ -29,10 +33,13 @@ std::optional<Response> answer_preflight(const Request& request, const std::vect
 }
 
 void allow_origin(Response& response, const Request& request, const std::vector<std::string>& origins) {
-    const auto origin = allowed_origin(request, origins);
+    if (origins.empty()) return;
+    // A cache may give what was asked for without an origin to a page that needs the field: so any answer is marked.
+    const bool is_any = is_any_origin(origins);
+    if (!is_any) response.headers.add("Vary", "Origin");
+    const auto origin = is_any ? std::optional<std::string>("*") : allowed_origin(request, origins);
     if (!origin) return;
     response.headers.add("Access-Control-Allow-Origin", *origin);
-    if (*origin != "*") response.headers.add("Vary", "Origin");
     response.headers.add("Access-Control-Expose-Headers",
                          "Accept-Ranges, Content-Range, ETag, Location, Retry-After, X-Request-Id");
 }

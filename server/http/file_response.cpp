@@ -1,5 +1,7 @@
 #include "server/http/file_response.h"
 
+#include <utility>
+
 #include "server/http/problem.h"
 #include "server/http/range.h"
 
@@ -8,7 +10,7 @@ namespace {
 
 RangeAnswer wanted_range(const Request& request, const Representation& representation) {
     const auto range = request.headers.find("Range");
-    if (!range) return WholeBody{};
+    if (!range || request.method != "GET") return WholeBody{};  // RFC 9110, 14.2: a range is defined for GET only
     const auto condition = request.headers.find("If-Range");
     const auto holds = [&](std::string_view tag) {
         return if_range_holds(tag, representation.etag) ||
@@ -29,6 +31,16 @@ void narrow(Response& response, const FileBody& whole, const ByteRange& range) {
 
 std::string cache_control(bool is_immutable) {
     return is_immutable ? "public, max-age=31536000, immutable" : "no-cache";
+}
+
+void keep_from_shared_caches(Response& response) {
+    constexpr std::string_view shared = "public,";
+    Headers kept;
+    for (const auto& [name, value] : response.headers) {
+        const bool is_shared = name == "Cache-Control" && value.starts_with(shared);
+        kept.add(name, is_shared ? "private," + value.substr(shared.size()) : value);
+    }
+    response.headers = std::move(kept);
 }
 
 Response file_response(const Request& request, const Representation& representation) {

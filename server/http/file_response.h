@@ -22,6 +22,9 @@ struct Representation {
 /// @throws HttpProblem 416
 Response file_response(const Request& request, const Representation& representation);
 
+/// Nobody but the client keeps the answer: what needs a token must not come from a cache that asks for none.
+void keep_from_shared_caches(Response& response);
+
 /// The Cache-Control field of bytes that never change, or may.
 std::string cache_control(bool is_immutable);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <utility>
 
 #include "server/http/file_response.h"
 #include "server/http/http_date.h"
@@ -20,7 +21,7 @@ constexpr std::size_t max_request = 2048;
 /// What a request says that may be answered here.
 struct PlainRequest {
     std::string_view model_id, range;  ///< range empty if there is none
-    bool has_range = false;
+    bool has_range = false, has_host = false;
     std::size_t n_bytes = 0;
 };
 
@@ -48,7 +49,7 @@ std::optional<std::string_view> model_of(std::string_view line) {
 
 /// @return false if the field is none that may be passed over here
 bool take_field(PlainRequest& request, std::string_view line) {
-    constexpr std::array<std::string_view, 5> passed_over = {"host", "user-agent", "accept", "accept-encoding",
+    constexpr std::array<std::string_view, 4> passed_over = {"user-agent", "accept", "accept-encoding",
                                                              "accept-language"};
     const auto colon = line.find(": ");
     if (colon == std::string_view::npos || !is_plain_text(line)) return false;
@@ -58,6 +59,7 @@ bool take_field(PlainRequest& request, std::string_view line) {
         request.range = value;
         return true;
     }
+    if (same_name(name, "host")) return !std::exchange(request.has_host, true);
     if (same_name(name, "connection")) return same_name(value, "keep-alive");
     return std::any_of(passed_over.begin(), passed_over.end(),
                        [&](std::string_view known) { return same_name(name, known); });
@@ -79,6 +81,7 @@ std::optional<PlainRequest> parse(std::string_view received) {
     request.model_id = *id;
     for (auto line = next_line(); line; line = next_line()) {
         if (line->empty()) {
+            if (!request.has_host) return std::nullopt;
             request.n_bytes = std::min(received.size(), max_request) - rest.size();
             return request;
         }

@@ -4,6 +4,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/string.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "server/http/bearer.h"
 #include "server/http/cors.h"
 #include "server/http/events_session.h"
+#include "server/http/file_response.h"
 #include "server/http/hot_path.h"
 #include "server/http/live_session.h"
 #include "server/http/on_pool.h"
@@ -136,6 +138,17 @@ awaitable<bool> read_header(Connection& connection, Parser& parser) {
     const bool is_late = connection.stream->has_expired();
     if (is_late ? said_nothing : is_end_of_connection(error)) co_return false;
     throw reading_problem(connection, error);
+}
+
+/// What a proxy in front might read in another way than this server does: one that smuggles requests lives on that.
+void expect_unambiguous(const http::request<http::buffer_body>& message) {
+    const auto n_hosts = message.count(http::field::host);
+    if (n_hosts > 1 || (n_hosts == 0 && message.version() >= 11))
+        throw HttpProblem(400, "the request has " + std::to_string(n_hosts) + " Host fields; expected one");
+    const auto codings = message.count(http::field::transfer_encoding);
+    const auto coding = message[http::field::transfer_encoding];
+    if (codings > 1 || (codings == 1 && !beast::iequals({coding.data(), coding.size()}, "chunked")))
+        throw HttpProblem(501, "Transfer-Encoding \"" + std::string(coding) + "\": expected chunked or none");
 }
 
 Request to_request(const http::request<http::buffer_body>& message) {
@@ -279,6 +292,8 @@ Response upgrade_required() {
 awaitable<std::optional<Response>> go_on_live(Connection& connection, Parser& parser, LiveBody live) {
     if (!beast::websocket::is_upgrade(parser.get())) co_return upgrade_required();
     http::request<http::empty_body> upgrade{http::request_header<>(parser.get().base())};
+    connection.buffer.clear();  // there may be thousands of such connections, idle for hours
+    connection.buffer.shrink_to_fit();
     co_await serve_live(connection.stream, std::move(upgrade), connection.context, std::move(live), connection.wake_up);
     co_return std::nullopt;
 }
@@ -295,6 +310,7 @@ awaitable<bool> serve_request(Connection& connection) {
     Parser parser;
     const bool arrived = co_await read_header(connection, parser);
     if (!arrived) co_return false;
+    expect_unambiguous(parser.get());
     connection.must_close = !parser.get().keep_alive() || connection.context.sessions.is_draining();
     Account account(connection);
     Request request = to_request(parser.get());
@@ -302,6 +318,7 @@ awaitable<bool> serve_request(Connection& connection) {
     const auto sign = [&](Response& answer) {
         answer.headers.add("X-Request-Id", account.request_id);
         allow_origin(answer, request, connection.context.cors_origins);
+        if (connection.context.access.is_private) keep_from_shared_caches(answer);
     };
     Response response = co_await handle_or_explain(connection, parser, request, account);
     sign(response);
@@ -331,22 +348,18 @@ awaitable<bool> serve_request(Connection& connection) {
 bool may_serve_hot(const Connection& connection) {
     const ServerContext& context = connection.context;
     const bool is_logged = context.log_access && context.log_from_status <= 206;
-    return !connection.stream->is_tls() && !context.access.is_private && !is_logged;
+    return !connection.stream->is_tls() && !context.access.is_private && context.cors_origins.empty() && !is_logged;
 }
 
 std::string_view received(const Connection& connection) {
     return {static_cast<const char*>(connection.buffer.data().data()), connection.buffer.size()};
 }
 
-awaitable<void> answer_from_memory(Connection& connection, const HotAnswer& answer, const std::string& header,
-                                   RouteMetrics& counted) {
-    const auto begun = std::chrono::steady_clock::now();
-    std::size_t n_sent = 0;
-    if (!write_now(*connection.stream, header, answer.body, n_sent))
-        co_await write_rest(*connection.stream, header, answer.body, n_sent, connection.context.limits.write_patience);
+void count_hot(Metrics& metrics, RouteMetrics& counted, std::uint64_t n_bytes,
+               std::chrono::steady_clock::time_point begun) {
     counted.by_class[2].fetch_add(1, std::memory_order_relaxed);
     counted.seconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
-    connection.context.metrics.sent_bytes.fetch_add(answer.body.n_bytes, std::memory_order_relaxed);
+    metrics.sent_bytes.fetch_add(n_bytes, std::memory_order_relaxed);
 }
 
 /// Serves requests for logs in memory until another one comes, whose bytes stay in the buffer.
@@ -361,7 +374,12 @@ awaitable<bool> serve_hot(Connection& connection) {
             const auto answer = answer_hot(received(connection), context.service.hot_logs, header);
             if (!answer) co_return true;
             connection.buffer.consume(answer->n_request_bytes);
-            co_await answer_from_memory(connection, *answer, header, counted);
+            // Most answers go at once; no coroutine is made for those.
+            const auto begun = std::chrono::steady_clock::now();
+            std::size_t n_sent = 0;
+            if (!write_now(*connection.stream, header, answer->body, n_sent))
+                co_await write_rest(*connection.stream, header, answer->body, n_sent, context.limits.write_patience);
+            count_hot(context.metrics, counted, answer->body.n_bytes, begun);
             continue;
         }
         connection.stream->expires_after(context.limits.header_patience);

@@ -31,7 +31,9 @@ std::optional<LogRange> LiveCursor::next_message(const LogView& log, std::size_t
     if (next_ < last) {
         const std::uint64_t begin = log.frames_begin + (next_ == 0 ? 0 : log.rows[next_ - 1].end);
         std::uint64_t end = begin;
-        while (next_ < last && end - begin < n_bytes) end = log.frames_begin + log.rows[next_++].end;
+        // The base is a message of its own: the first picture does not wait for what comes behind it.
+        const std::size_t enough = next_ == 0 ? 1 : n_bytes;
+        while (next_ < last && end - begin < enough) end = log.frames_begin + log.rows[next_++].end;
         return LogRange{begin, end};
     }
     // Behind the last row stands the end frame, which only a client with the whole log gets.

@@ -29,8 +29,8 @@ public:
     /// The first message about a log: {"type":"hello","log_id","next_sequence","sealed"}. Starts to follow `log`, from
     /// its start if another was followed before.
     std::string hello(const LogView& log);
-    /// The next message of whole frames, at least `n_bytes` long if there are as many; the header is a message of its
-    /// own, in the live form (LogBytes). nullopt if the client has all it may have of this view.
+    /// The next message of whole frames, at least `n_bytes` long if there are as many; header and base are messages of
+    /// their own, in the live form (LogBytes). nullopt if the client has all it may have of this view.
     std::optional<LogRange> next_message(const LogView& log, std::size_t n_bytes);
     /// Whether nothing will ever come any more for this budget.
     bool is_complete(const LogView& log) const;

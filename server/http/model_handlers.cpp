@@ -134,12 +134,12 @@ Response create_model(Service& service, const Request& request) {
 
 Response list_models(Service& service, const Request& request) {
     expect_only(request, {"limit", "after"});
-    const auto limit = query_integer(request, "limit", 1, 1000).value_or(100);
+    const auto limit = static_cast<std::size_t>(query_integer(request, "limit", 1, 1000).value_or(100));
     const auto after = request.query.find("after");
     if (after != request.query.end() && !is_model_id(after->second))
         throw HttpProblem(400, "after=" + after->second + ": expected the id of a model");
-    return json_response(200, model_list_json(service.catalog.list(static_cast<std::size_t>(limit),
-                                                                   after == request.query.end() ? "" : after->second)));
+    const ModelPage page = service.catalog.list(limit, after == request.query.end() ? "" : after->second);
+    return json_response(200, model_list_json(page, limit));
 }
 
 Response show_model(Service& service, const Request& request) {

@@ -77,10 +77,10 @@ std::string new_model_json(const ModelRecord& model, const std::string& files_js
     return to_text(json);
 }
 
-std::string model_list_json(const ModelPage& page) {
+std::string model_list_json(const ModelPage& page, std::size_t limit) {
     ordered_json json = {{"models", ordered_json::array()}};
     for (const ModelRecord& model : page.models) json["models"].push_back(to_json(model));
-    if (page.more) json["next"] = "/v1/models?after=" + page.models.back().id;
+    if (page.more) json["next"] = "/v1/models?limit=" + std::to_string(limit) + "&after=" + page.models.back().id;
     return to_text(json);
 }
 

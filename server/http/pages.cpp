@@ -15,6 +15,8 @@ namespace anyrate {
 namespace {
 
 constexpr std::size_t max_models = 200;
+constexpr ModelState all_states[] = {ModelState::queued, ModelState::running, ModelState::done, ModelState::failed,
+                                     ModelState::cancelled};
 
 constexpr const char* page_head = R"html(<!doctype html>
 <html lang="en">
@@ -140,8 +142,12 @@ Response show_metrics(Service& service, const Request&) {
     write_metric(text, "anyrate_free_bytes", "gauge", "Bytes that are free on the disk of the data directory.",
                  static_cast<double>(service.store.free_bytes()));
     text += "# HELP anyrate_models Models by state.\n# TYPE anyrate_models gauge\n";
-    for (const auto& [state, n] : service.catalog.counts())
+    const auto counts = service.catalog.counts();
+    for (const ModelState state : all_states) {
+        const auto found = counts.find(state);  // one that no model is in has a line, too, so that it can be watched
+        const auto n = found == counts.end() ? 0 : found->second;
         text += std::string("anyrate_models{state=\"") + state_name(state) + "\"} " + std::to_string(n) + "\n";
+    }
     return text_response(std::move(text), "text/plain; version=0.0.4");
 }
 

@@ -1,13 +1,18 @@
 #include "server/http/photograph_handlers.h"
 
 #include <charconv>
-#include <memory>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/capture/cameras_json.h"
 #include "core/capture/capture_files.h"
 #include "core/capture/faults.h"
 #include "core/capture/image_header.h"
+#include "core/capture/zip_archive.h"
 #include "core/error.h"
 #include "server/http/file_response.h"
 #include "server/http/model_handlers.h"
@@ -19,23 +24,56 @@ namespace {
 
 constexpr const char* cameras_file = "cameras.json";
 
+/// A model's capture as it lies in its zip, of which no more is unpacked than is asked for.
 struct OpenCapture {
-    std::unique_ptr<CaptureFiles> files;
+    std::filesystem::path zip;
+    std::string top;  ///< the folder that the capture lies in: "" or "folder/"
     CameraList cameras;
 };
+
+std::vector<std::string> names_in(const std::filesystem::path& zip) {
+    std::vector<std::string> names;
+    visit_zip(zip, zip.filename().string(), {}, {}, [&](const std::string& name) {
+        names.push_back(name);
+        return false;
+    });
+    return names;
+}
+
+/// @return nullopt if the capture has no such file @throws InputError it cannot be unpacked
+std::optional<std::vector<std::uint8_t>> read_member(const OpenCapture& capture, const std::string& file) {
+    const std::string wanted = capture.top + file;
+    std::optional<std::vector<std::uint8_t>> bytes;
+    visit_zip(
+        capture.zip, capture.zip.filename().string(), {},
+        [&](const std::string&, std::vector<std::uint8_t> data) { bytes = std::move(data); },
+        [&](const std::string& name) { return name == wanted; });
+    return bytes;
+}
+
+/// @throws HttpProblem 404 also if it cannot be unpacked
+std::vector<std::uint8_t> expect_member(const OpenCapture& capture, const std::string& file) {
+    try {
+        if (auto bytes = read_member(capture, file)) return std::move(*bytes);
+    } catch (const InputError& error) {
+        throw HttpProblem(404, error.what());
+    }
+    throw HttpProblem(404, "the capture has no file " + file);
+}
 
 /// The capture of the model that the request names. @throws HttpProblem 404 also for one that is no sound capture
 OpenCapture open_capture(Service& service, const Request& request) {
     const ModelRecord model = expect_model(service, request);
     try {
-        OpenCapture capture{open_capture_files(service.store.paths(model.id).capture, cameras_file), {}};
-        const auto n_bytes = capture.files->size(cameras_file);
-        if (!n_bytes || *n_bytes > max_cameras_bytes)
+        OpenCapture capture{service.store.paths(model.id).capture, {}, {}};
+        if (!std::filesystem::is_regular_file(capture.zip)) throw InputError("its capture is not here");
+        capture.top = top_folder(names_in(capture.zip), capture.zip.filename().string(), cameras_file);
+        const auto json = read_member(capture, cameras_file);
+        if (!json || json->size() > max_cameras_bytes)
             throw InputError(std::string(cameras_file) + " is missing or too large");
-        const auto json = capture.files->read(cameras_file);
         Faults faults;
         capture.cameras =
-            parse_cameras({reinterpret_cast<const char*>(json.data()), json.size()}, cameras_file, faults);
+            parse_cameras({reinterpret_cast<const char*>(json->data()), json->size()}, cameras_file, faults);
         return capture;
     } catch (const InputError& error) {
         throw HttpProblem(404, "model " + model.id + " has no photographs to show: " + error.what());
@@ -87,9 +125,7 @@ Response show_photograph(Service& service, const Request& request) {
     const auto& entries = capture.cameras.entries;
     if (number >= entries.size())
         throw HttpProblem(404, "photograph " + text + " of only " + std::to_string(entries.size()));
-    if (!capture.files->size(entries[number].file))
-        throw HttpProblem(404, "the capture has no file " + entries[number].file);
-    const std::vector<std::uint8_t> bytes = capture.files->read(entries[number].file);
+    const std::vector<std::uint8_t> bytes = expect_member(capture, entries[number].file);
     const auto header = read_image_header(bytes);
     if (!header) throw HttpProblem(404, entries[number].file + " is neither PNG nor JPEG");
     return {.headers = {{"Content-Type", header->kind == ImageKind::png ? "image/png" : "image/jpeg"},

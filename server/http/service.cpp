@@ -34,6 +34,7 @@ Router make_router(Service& service) {
          .takes_upload = true,
          .check = [&service](const Request& request) { check_create_model(service, request); }},
         {"POST", "/v1/captures", with_service(create_capture)},
+        {"GET", "/v1/captures", with_service(list_captures)},
         {"GET", "/v1/captures/{id}", with_service(show_capture)},
         {"DELETE", "/v1/captures/{id}", with_service(delete_capture)},
         {.method = "PUT",

@@ -57,10 +57,21 @@ std::map<std::string, std::string> decode_query(std::string_view query) {
     return parameters;
 }
 
+/// The target without the scheme and host that a proxy's client names (RFC 9112, 3.2.2).
+std::string_view without_origin(std::string_view target) {
+    for (const std::string_view scheme : {"http://", "https://"}) {
+        if (target.substr(0, scheme.size()) != scheme) continue;
+        const auto path = target.find('/', scheme.size());
+        return path == std::string_view::npos ? std::string_view("/") : target.substr(path);
+    }
+    return target;
+}
+
 }  // namespace
 
 Target parse_target(std::string_view target) {
     if (target.size() > max_target) throw HttpProblem(414, "the request target is longer than 4096 bytes");
+    target = without_origin(target);
     if (target.empty() || target.front() != '/') throw HttpProblem(400, "the request target must begin with a slash");
     const auto question = target.find('?');
     const auto query = question == std::string_view::npos ? std::string_view() : target.substr(question + 1);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "server/store/file.h"
@@ -88,6 +89,25 @@ std::optional<CaptureRecord> CaptureStore::find(const std::string& id) {
     const std::shared_lock lock(*mutex);
     if (!is_there(id)) return std::nullopt;
     return read(id);
+}
+
+CapturePage CaptureStore::list(std::size_t limit, const std::string& after) {
+    std::vector<std::string> ids;
+    io([&] {
+        for (const auto& entry : fs::directory_iterator(root_))
+            if (const std::string id = entry.path().filename().string(); is_model_id(id) && id > after)
+                ids.push_back(id);
+    });
+    std::sort(ids.begin(), ids.end());
+    CapturePage page;
+    for (const std::string& id : ids) {
+        auto capture = find(id);
+        if (!capture) continue;  // removed meanwhile
+        page.more = page.captures.size() == limit;
+        if (page.more) break;
+        page.captures.push_back(std::move(*capture));
+    }
+    return page;
 }
 
 bool CaptureStore::put(const std::string& id, const CaptureFile& file, const fs::path& upload) {

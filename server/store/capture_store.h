@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -33,6 +34,12 @@ struct CaptureRecord {
     std::uint64_t n_bytes() const;
 };
 
+/// A page of list().
+struct CapturePage {
+    std::vector<CaptureRecord> captures;
+    bool more = false;  ///< there are others behind the last
+};
+
 /// The captures of a data directory: DATA/captures/<id>/files/... and a list of what has arrived, files.json. What a
 /// call acknowledges has survived a crash. Safe to call from several threads: who reads a capture waits for nobody but
 /// who changes the same one.
@@ -44,6 +51,9 @@ public:
     /// Begins a capture; one of that id that is there already is left as it is. @throws IoError
     CaptureRecord create(const std::string& id, Timestamp now);
     std::optional<CaptureRecord> find(const std::string& id);  ///< @throws IoError
+    /// At most `limit` captures in the order of their ids, from behind `after` ("" for the first): so a page costs what
+    /// it shows, however many there are. @throws IoError
+    CapturePage list(std::size_t limit, const std::string& after);
     /// Takes an uploaded file, in the place of an earlier one of its path. @param file  its record, path checked
     /// @return false if there is no such capture @throws IoError
     bool put(const std::string& id, const CaptureFile& file, const std::filesystem::path& upload);

@@ -5,9 +5,11 @@
 #include <array>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <type_traits>
 
 #include "core/error.h"
+#include "server/store/file.h"
 
 namespace anyrate {
 namespace {
@@ -84,6 +86,17 @@ ModelOptions options_from_json(const std::string& text) {
     const std::string sentence = std::string("catalog: ") + sqlite3_errmsg(database);
     if (sqlite3_errcode(database) == SQLITE_FULL) throw DiskFull(sentence);
     throw IoError(sentence);
+}
+
+/// SQLite goes on with what it has in memory when the file under it is removed, replaced or overwritten; nothing of
+/// that would be there after a restart.
+void expect_in_place(sqlite3* database) {
+    int has_moved = 0;
+    sqlite3_file_control(database, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
+    if (has_moved) throw IoError("catalog: its file was removed or replaced");
+    constexpr std::string_view signature = "SQLite format 3";
+    const auto begin = read_at(open_if_exists(sqlite3_db_filename(database, "main")), 0, signature.size());
+    if (as_text(begin) != signature) throw IoError("catalog: its file does not begin as a database does");
 }
 
 /// One prepared statement with its values bound, stepped row by row.
@@ -260,6 +273,7 @@ std::optional<ModelRecord> SqliteCatalog::find(const std::string& id) {
 
 ModelPage SqliteCatalog::list(std::size_t limit, const std::string& after) {
     const std::lock_guard lock(database_->mutex);
+    expect_in_place(database_->handle);
     Statement row(database_->handle,
                   std::string("SELECT ") + record_columns +
                       " FROM model WHERE ? = '' OR number < (SELECT number FROM model WHERE id = ?)"

@@ -9,7 +9,7 @@ namespace anyrate {
 
 struct ZipWriter::State {
     struct FreeArchive {
-        void operator()(archive* zip) const { archive_write_free(zip); }
+        void operator()(archive* open) const { archive_write_free(open); }
     };
     std::unique_ptr<archive, FreeArchive> zip{archive_write_new()};
 

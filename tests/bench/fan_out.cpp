@@ -331,7 +331,7 @@ Json run(Options options) {
                        .frame_ends = log.frame_ends});
         auto begun = Clock::now();
         load.ask();
-        load.wait_until_open(std::chrono::minutes(2));
+        load.wait_until_open(std::chrono::minutes(10));  // a busy machine
         if (options.idle_seconds > 0) {
             load.read_to_end(std::chrono::seconds(options.idle_seconds));
             int n_dropped = 0;

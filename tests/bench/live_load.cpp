@@ -29,6 +29,12 @@ int connect_to(std::uint16_t port, bool is_stalled) {
     return socket;
 }
 
+/// Answers a ping, without which a server takes the client for gone. Those of this server say nothing to repeat.
+void send_pong(int socket) {
+    const unsigned char pong[6] = {0x8A, 0x80};  // masked by zeros
+    ::send(socket, pong, sizeof pong, MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
 }  // namespace
 
 LiveLoad::LiveLoad(LiveLoadOptions options) : options_(std::move(options)), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
@@ -137,6 +143,7 @@ std::size_t LiveLoad::take_frame_head(LiveClient& client, std::span<const char> 
     client.head.clear();
     ++client.n_messages;
     if (client.opcode == 8) end(client);
+    if (client.opcode == 9) send_pong(client.socket);
     return used;
 }
 

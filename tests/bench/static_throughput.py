@@ -99,6 +99,14 @@ class Anyrate:
         self.process.wait()
 
 
+def processor_seconds(pid):
+    """Of a process and its children, in user and kernel mode."""
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    own = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    children = [child for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for child in (task / "children").read_text().split()]
+    return own + sum(processor_seconds(child) for child in children)
+
+
 def wait_for(url):
     for _ in range(200):
         try:
@@ -119,16 +127,23 @@ def requests_per_second(url, options, script=None):
     return float(re.search(r"Requests/sec:\s+([0-9.]+)", said).group(1))
 
 
-def compare(urls, options, script=None):
-    """Rates of both servers in rounds that alternate, and the ratio of their medians."""
-    rates = {name: [] for name in urls}
-    for url in urls.values():
-        requests_per_second(url, argparse.Namespace(**{**vars(options), "seconds": 1}), script)  # warm
+def compare(servers, options, script=None):
+    """Rates of both servers in rounds that alternate, and the ratio of their medians. wrk takes its part of the same cores,
+    the same for each request of either; so the processor time that the servers themselves need is told, too."""
+    rates = {name: [] for name in servers}
+    costs_us = {name: [] for name in servers}  # of a request
+    for server in servers.values():
+        requests_per_second(server.url, argparse.Namespace(**{**vars(options), "seconds": 1}), script)  # warm
     for _ in range(options.rounds):
-        for name, url in urls.items():
-            rates[name].append(requests_per_second(url, options, script))
-    medians = {name: statistics.median(values) for name, values in rates.items()}
-    return {"requests_per_second": rates, "ratio": medians["anyrate"] / medians["nginx"]}
+        for name, server in servers.items():
+            before = processor_seconds(server.process.pid)
+            rates[name].append(requests_per_second(server.url, options, script))
+            spent = processor_seconds(server.process.pid) - before
+            costs_us[name].append(round(1e6 * spent / (rates[name][-1] * options.seconds), 2))
+    rate = {name: statistics.median(values) for name, values in rates.items()}
+    cost = {name: statistics.median(values) for name, values in costs_us.items()}
+    return {"requests_per_second": rates, "ratio": rate["anyrate"] / rate["nginx"], "server_microseconds_a_request": costs_us,
+            "nginx_cost_over_anyrate_cost": cost["nginx"] / cost["anyrate"]}
 
 
 def main():
@@ -162,15 +177,15 @@ def main():
         anyrate.sealed.write_bytes(log)
         (folder / "www" / "model.arl").write_bytes(log)
         servers.append(nginx := Nginx(folder / "nginx", folder / "www", options))
-        urls = {"anyrate": anyrate.url, "nginx": nginx.url}
-        bodies = {name: wait_for(url) for name, url in urls.items()}
+        both = {"anyrate": anyrate, "nginx": nginx}
+        bodies = {name: wait_for(server.url) for name, server in both.items()}
         if bodies["anyrate"] != bodies["nginx"] or len(bodies["nginx"]) != len(log):
             raise SystemExit("the two servers do not serve the same bytes")
         script = folder / "ranges.lua"
         script.write_text(RANGES_LUA.format(size=len(log)))
         version = subprocess.run([options.nginx, "-v"], capture_output=True, text=True).stderr.strip()
         result = {"machine": machine(), "nginx": version, "connections": options.connections, "log_bytes": len(log),
-                  "whole_log": compare(urls, options), "ranges_of_20_KB": compare(urls, options, script)}
+                  "whole_log": compare(both, options), "ranges_of_20_KB": compare(both, options, script)}
         json.dump(result, sys.stdout, indent=1)
         print()
     finally:

@@ -8,7 +8,7 @@ import re
 
 ANNOTATIONS = {"description", "example", "default", "format", "title"}
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
-EVERYWHERE = {400, 401, 403, 404, 405, 408, 413, 414, 431, 500, 503}  # problems that any request may meet
+EVERYWHERE = {400, 401, 403, 404, 405, 408, 413, 414, 431, 500, 501, 503}  # problems that any request may meet
 
 
 class Mismatch(AssertionError):
@@ -113,6 +113,14 @@ class Document:
     def check_items(self, value, rule, where, _):
         for i, item in enumerate(value):
             self.validate(item, rule, f"{where}[{i}]")
+
+    def check_minItems(self, value, rule, where, _):
+        if len(value) < rule:
+            raise Mismatch(f"{where}: fewer than {rule} items")
+
+    def check_maxItems(self, value, rule, where, _):
+        if len(value) > rule:
+            raise Mismatch(f"{where}: more than {rule} items")
 
     def check_enum(self, value, rule, where, _):
         if value not in rule:

@@ -73,9 +73,18 @@ class BadRequests(ServerTest):
             (b"GET / HTTP/1.1\r\nA: " + b"b" * 40000 + b"\r\n\r\n", b" 431 "),
             (b"POST /v1/models HTTP/1.1\r\nContent-Type: application/zip\r\nContent-Length: 99999999999\r\n\r\n", b" 413 "),
             (b"POST /v1/models HTTP/1.1\r\nContent-Length: minus one\r\n\r\n", b" 400 "),
+            (b"GET /healthz HTTP/1.1\r\n\r\n", b" 400 "),
+            (b"GET /healthz HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n", b" 400 "),
+            (b"POST /v1/captures HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: gzip\r\n\r\nGET / HTTP/1.1\r\n", b" 501 "),
+            (b"POST /v1/captures HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n", b" 501 "),
+            (b"POST /v1/captures HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+             b" 400 "),
         ]:
             with self.subTest(text=text[:60]):
-                self.assertIn(status, self.server.raw(text).split(b"\r\n")[0])
+                answer = self.server.raw(text)
+                self.assertIn(status, answer.split(b"\r\n")[0])
+                self.assertIn(b"application/problem+json", answer)
+                self.assertEqual(answer.count(b"HTTP/1.1 "), 1)  # what follows is no other request
                 self.assertEqual(self.server.request("GET", "/healthz")[0], 200)
 
     def test_a_budget_out_of_place_is_refused(self):
@@ -88,6 +97,7 @@ class BadRequests(ServerTest):
         self.expect_problem(404, "GET", f"/v1/models/{model_id}/mesh.stl")
         self.expect_problem(426, "GET", f"/v1/models/{model_id}/live")
         self.expect_problem(416, "GET", log, headers={"Range": "bytes=999999999-"})
+        self.assertEqual(self.server.request("HEAD", log, headers={"Range": "bytes=0-9"})[0], 200)  # for GET only
 
     def test_a_client_that_hangs_up_in_the_middle_harms_nobody(self):
         model_id = self.make_finished_model("?vertices=2000&coarse=800")

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <future>
 #include <string>
 #include <thread>
@@ -93,4 +94,24 @@ TEST_CASE("Captures: old ones go, and what a crash left of one") {
     CHECK(f.store.remove_older(Timestamp(std::chrono::milliseconds(20))) == 2);
     CHECK_FALSE(f.store.find(old));
     CHECK(f.store.find(young));
+}
+
+TEST_CASE("Captures: pages hold every capture once, in the order of their ids") {
+    Fixture f;
+    std::vector<std::string> made, listed;
+    for (int i = 0; i < 5; ++i) made.push_back(f.capture());
+    std::sort(made.begin(), made.end());
+    CHECK(f.put(made[0], "images/a.png", "four"));
+    std::string after;
+    for (bool more = true; more;) {
+        const CapturePage page = f.store.list(2, after);
+        REQUIRE_FALSE(page.captures.empty());
+        REQUIRE(page.captures.size() <= 2);
+        for (const CaptureRecord& capture : page.captures) listed.push_back(capture.id);
+        after = listed.back();
+        more = page.more;
+    }
+    CHECK(listed == made);
+    CHECK(f.store.list(1, "").captures[0].n_bytes() == 4);
+    CHECK(f.store.list(5, made.back()).captures.empty());
 }

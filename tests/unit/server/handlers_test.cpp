@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -10,6 +12,7 @@
 #include "server/store/directory_log_store.h"
 #include "server/store/model_id.h"
 #include "server/store/sqlite_catalog.h"
+#include "server/store/zip_writer.h"
 #include "tests/unit/server/small_model.h"
 #include "tests/unit/server/temporary_folder.h"
 
@@ -229,6 +232,20 @@ TEST_CASE("Readiness: a full disk is told, and takes no upload") {
     CHECK(f.post("PK\x03\x04").status == 507);
 }
 
+TEST_CASE("Readiness: a catalog whose file is gone or is none any more is told") {
+    for (const bool is_removed : {false, true}) {
+        Fixture f;
+        CHECK(f.get("/readyz").status == 200);
+        const auto file = f.store.catalog_file();
+        if (is_removed)
+            std::filesystem::remove(file);
+        else
+            std::ofstream(file, std::ios::in | std::ios::out) << "overwritten by mistake";
+        CHECK(f.get("/readyz").status == 503);
+        CHECK(f.get("/healthz").status == 200);
+    }
+}
+
 TEST_CASE("Viewer: its page and files are served with their types, as packed as the client takes them") {
     Fixture f;
     CHECK(f.text(f.get("/")).find("no model yet") != std::string::npos);
@@ -254,6 +271,30 @@ TEST_CASE("Viewer: its page and files are served with their types, as packed as 
     CHECK(f.text(f.get("/assets/a.js", {}, {{"Accept-Encoding", "brotli"}})) == "plain");
     CHECK(f.get("/assets/..%2Findex.html").status == 404);
     CHECK(f.get("/assets/b.js").status == 404);
+}
+
+TEST_CASE("Photographs: each comes out of the zip as it went in, also from a folder of it, others unpacked or not") {
+    Fixture f;
+    const TemporaryFolder folder;
+    const auto zip = folder.path() / "capture.zip";
+    const std::string png = "\x89PNG\r\n\x1A\n" + std::string("\0\0\0\rIHDR\0\0\0\4\0\0\0\3\b\2\0\0\0rest", 29);
+    {
+        ZipWriter writer(zip);
+        const auto camera = [](const std::string& file) {
+            return R"({"file":")" + file +
+                   R"(","K":[[4,0,2],[0,4,1.5],[0,0,1]],"R":[[1,0,0],[0,1,0],[0,0,1]],"t":[0,0,2]})";
+        };
+        writer.add("box/images/a.png", as_bytes(png));
+        writer.add("box/cameras.json", as_bytes(R"({"pixel_center":[0.5,0.5],"images":[)" + camera("images/a.png") +
+                                                "," + camera("images/gone.png") + "]}"));
+        writer.finish();
+    }
+    const std::string id = nlohmann::json::parse(f.text(f.post(std::string(as_text(read_file(zip))))))["id"];
+    CHECK(f.text(f.get("/v1/models/" + id + "/photographs/0")) == png);
+    CHECK(f.get("/v1/models/" + id + "/photographs/0").headers.find("Content-Type") == "image/png");
+    CHECK(f.get("/v1/models/" + id + "/photographs/1").status == 404);
+    CHECK(f.get("/v1/models/" + id + "/photographs/2").status == 404);
+    CHECK(nlohmann::json::parse(f.text(f.get("/v1/models/" + id + "/cameras")))["cameras"].size() == 2);
 }
 
 TEST_CASE("Photographs: of a capture that is none, 404 says why") {

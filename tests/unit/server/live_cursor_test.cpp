@@ -165,3 +165,16 @@ TEST_CASE("Live cursor: without a listener there is no preview") {
     DurableSink sink(7, logs.live, [](const RatePoint&) {});
     CHECK(sink.preview() == nullptr);
 }
+
+TEST_CASE("Live cursor: header and base are messages of their own, what follows is coalesced") {
+    Logs logs;
+    DurableSink sink(7, logs.live, [](const RatePoint&) {});
+    write_small_model(sink, 5);
+    const LogView log = logs.view();
+    REQUIRE(log.rows.size() > 3);
+    LiveCursor cursor(0, UINT32_MAX);
+    cursor.hello(log);
+    CHECK(cursor.next_message(log, 1 << 20)->end == header_size);
+    CHECK(cursor.next_message(log, 1 << 20)->end == log.frames_begin + log.rows[0].end);
+    CHECK(cursor.next_message(log, 1 << 20)->end == log.frames_begin + log.rows.back().end);
+}

@@ -27,6 +27,13 @@ TEST_CASE("Target: path and query are decoded") {
     CHECK(target.query.at("z").empty());
 }
 
+TEST_CASE("Target: scheme and host, as a proxy's client names them, are passed over") {
+    CHECK(parse_target("http://a.example:80/v1/models?limit=2").path == "/v1/models");
+    CHECK(parse_target("https://a.example").path == "/");
+    CHECK(status_of("ftp://a.example/") == 400);
+    CHECK(status_of("*") == 400);
+}
+
 TEST_CASE("Target: what could mean another file is refused") {
     for (const char* target : {"/a%2fb", "/a%2Fb", "/a%00", "http://x/", "", "*", "/a%", "/a%4", "/a%zz", "/?a=%"})
         CHECK_MESSAGE(status_of(target) == 400, target);
