@@ -23,6 +23,8 @@ export class LogServer {
     /** Range fields of the requests for the log. */
     readonly ranges: string[] = [];
     nBytesSent = 0;
+    /** Called with the Range of a request for the log, before it is answered. */
+    onRequest: (range: string) => void = () => {};
     /** Of the log, as far as answers were read. */
     sideIndex: Uint8Array | undefined;
     private readonly options: LogServerOptions;
@@ -66,6 +68,7 @@ export class LogServer {
             return;
         }
         const { range = "" } = request.headers;
+        this.onRequest(range);
         this.ranges.push(range);
         const condition = request.headers["if-range"];
         const asked = /^bytes=(\d+)-(\d*)$/.exec(range);

@@ -37,6 +37,11 @@ export interface ModelOptions {
     readonly draco?: DracoService;
     /** Goes on to this budget once the first request is answered; without it, openModel() stops there. */
     readonly budget?: Budget;
+    /**
+     * Bytes of the log that the budget is known to need, from elsewhere: openModel() asks for those behind the first
+     * request at once, without waiting for its answer. Too few only cost another request.
+     */
+    readonly bytesWanted?: number;
     /** Disposes of the model. */
     readonly signal?: AbortSignalLike;
     /** What the engine lacks, or tests replace. */
@@ -220,7 +225,9 @@ export class Model {
 
     /** What openModel() does. */
     async readFirst(): Promise<void> {
-        await this.download.readTo(firstRequestBytes);
+        const first = this.download.readTo(firstRequestBytes);
+        this.download.askAhead(firstRequestBytes, this.options.bytesWanted ?? 0);
+        await first;
         await this.decoder.settled();
         const { scanner } = this.decoder;
         const { budget } = this.options;
