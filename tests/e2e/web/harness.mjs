@@ -105,7 +105,7 @@ export function startBrowser() {
             "--disable-sync",
             "--use-angle=swiftshader",
             "--enable-unsafe-swiftshader",
-            "--ignore-gpu-blocklist",
+            "--ignore-gpu-blocklist","--disable-gpu-rasterization",
         ],
     });
 }

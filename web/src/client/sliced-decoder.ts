@@ -33,6 +33,8 @@ export interface SlicedDecoderEvents {
 
 /** Milliseconds of work before other tasks get their turn: with normals and uploads well below a frame of 16 ms. */
 const sliceMilliseconds = 4;
+/** Between two calls of onChange(): normals are computed once for what changes several times in between. */
+const publishMilliseconds = 30;
 /** Vertices replayed between two looks at the clock: well below a millisecond, also before the engine has warmed up. */
 const strideVertices = 24;
 const normalsPerLook = 1000;
@@ -62,6 +64,10 @@ export class SlicedDecoder {
     /** Vertices after the last frame that was applied. */
     private nVerticesApplied = 0;
     private replayTime = 0;
+    /** When onChange() was called last. */
+    private published = -Infinity;
+    /** Whether something was collected since. */
+    private unpublished = false;
     private failure: { readonly error: unknown } | undefined;
     private scanFailure: { readonly error: unknown } | undefined;
     private work: Promise<void> | undefined;
@@ -120,6 +126,8 @@ export class SlicedDecoder {
     takeChanges(): ModelChanges {
         const mesh = this.meshRead;
         if (!mesh) return { vertices: [], faces: [], colours: [], normals: [] };
+        this.collect(mesh);
+        this.vertexNormals.updateNew(mesh);
         return {
             vertices: this.changed.vertices.take(mesh.nVertices, mergedGap),
             faces: this.changed.faces.take(mesh.nFaces, mergedGap),
@@ -161,7 +169,7 @@ export class SlicedDecoder {
             else if (this.wantsPart()) await this.takePart();
             else if (!this.replay(deadline)) break;
             if (this.platform.now() < deadline) continue;
-            await this.publish();
+            if (this.platform.now() - this.published >= publishMilliseconds) await this.publish();
             await this.platform.pause();
             deadline = this.newDeadline();
         }
@@ -218,21 +226,29 @@ export class SlicedDecoder {
         return mesh.nVertices > nBefore;
     }
 
-    private async publish(): Promise<void> {
-        const mesh = this.meshRead;
-        if (!mesh) return;
+    /** Notes what the mesh says has changed. */
+    private collect(mesh: ProgressiveMesh): void {
         const changes = mesh.takeChanges(0);
         const { vertices, faces, colours } = this.changed;
         for (const range of changes.vertices) vertices.markRange(range);
         for (const range of changes.faces) faces.markRange(range);
         for (const range of changes.colours) colours.markRange(range);
-        if (changes.vertices.length + changes.faces.length + changes.colours.length === 0) return;
         this.vertexNormals.note(mesh, changes);
+        this.unpublished ||= changes.vertices.length + changes.faces.length + changes.colours.length > 0;
+    }
+
+    private async publish(): Promise<void> {
+        const mesh = this.meshRead;
+        if (!mesh) return;
+        this.collect(mesh);
+        if (!this.unpublished) return;
         for (let deadline = this.newDeadline(); !this.vertexNormals.update(mesh, normalsPerLook); ) {
             if (this.platform.now() < deadline) continue;
             await this.platform.pause();
             deadline = this.newDeadline();
         }
+        this.unpublished = false;
+        this.published = this.platform.now();
         if (!this.disposed) this.events.onChange();
     }
 }

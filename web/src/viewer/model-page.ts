@@ -131,8 +131,8 @@ class ModelPage {
         try {
             if (isFinal(info)) {
                 if (info.bytes === 0) return;
-                const budget = this.budget ?? everything;
-                await openModel(modelUrl(this.id), { ...options, budget });
+                const wanted = this.budget ? { budget: this.budget } : { budget: everything, bytesWanted: info.bytes };
+                await openModel(modelUrl(this.id), { ...options, ...wanted });
                 this.refreshRows();
                 this.settled();
             } else {

@@ -1,6 +1,4 @@
 import {
-    BufferAttribute,
-    BufferGeometry,
     Camera,
     Group,
     LineSegments,
@@ -15,7 +13,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Model, ProgressiveMesh } from "../client/index.js";
 import { cameraCentre, projectionMatrix, viewMatrix } from "./camera-view.js";
-import type { PinholeCamera, Size } from "./camera-view.js";
+import type { PinholeCamera, Rectangle, Size } from "./camera-view.js";
 import { acquireDrawing, releaseDrawing } from "./drawing.js";
 import type { Drawing } from "./drawing.js";
 import { MorphGeometry } from "./morph-geometry.js";
@@ -33,8 +31,8 @@ export type Pose = readonly [number, number, number, number, number, number];
 
 const fieldOfView = 32; // degrees
 const morphMilliseconds = 420;
-/** A new morph begins no earlier after the last one, so that a stream of small changes moves as one. */
-const leastMorphMilliseconds = 120;
+/** A morph goes on for so many times as long as it took to begin it, so that a stream of changes leaves time to draw. */
+const morphPerUpload = 4;
 
 /** Draws one model: its surface, as it refines, from any side or through a photograph's camera. */
 export class ModelView {
@@ -51,7 +49,6 @@ export class ModelView {
     private readonly camera = new PerspectiveCamera(fieldOfView, 1, 0.1, 100);
     private readonly throughPhotograph = new Camera();
     private readonly morphing = new MorphGeometry();
-    private readonly edgeGeometry = new BufferGeometry();
     private readonly edges: LineSegments;
     private controls: OrbitControls;
     private readonly resize: ResizeObserver;
@@ -67,10 +64,11 @@ export class ModelView {
     private hasPose = false;
     private pending = false;
     private morphBegan = -Infinity;
+    /** Milliseconds that the last upload took. */
+    private uploadTook = 0;
     private dirty = true;
-    private showsEdges = false;
-    private edgesStale = true;
     private heatStale = false;
+    private showsHeat = false;
     private verticesDrawn = 0;
     private frame = 0;
     private nTicks = 0;
@@ -85,7 +83,7 @@ export class ModelView {
         this.canvas.setAttribute("role", "img");
         this.canvas.setAttribute("aria-label", "The model. Arrow keys turn it, + and − zoom, F fits it.");
         container.prepend(this.canvas);
-        this.edges = new LineSegments(this.edgeGeometry, this.materials.edges);
+        this.edges = new LineSegments(this.morphing.edgeGeometry, this.materials.edges);
         const surface = new Mesh(this.morphing.geometry, this.materials.surface);
         for (const object of [surface, this.edges]) object.frustumCulled = false;
         this.edges.visible = false;
@@ -137,14 +135,15 @@ export class ModelView {
     }
 
     setShading(shading: Shading): void {
+        this.showsHeat = shading === "heat";
         this.materials.setShading(shading);
         this.dirty = true;
     }
 
     setEdges(shown: boolean): void {
-        this.showsEdges = shown;
         this.edges.visible = shown;
-        this.edgesStale = this.dirty = true;
+        this.morphing.showEdges(shown);
+        this.dirty = true;
     }
 
     /** @param up unit vector @param eye where to look from first, world units; undefined for a view from above */
@@ -204,12 +203,22 @@ export class ModelView {
         return this.photograph !== undefined;
     }
 
-    /** Draws what there is at once, without a morph: for a picture. */
-    drawNow(): void {
-        if (!this.mesh) return;
+    /**
+     * Draws what there is at once, without a morph, into the lower left corner of the canvas: for a picture.
+     * @param size CSS pixels
+     * @returns where it is in the canvas, its own pixels
+     */
+    drawPicture({ width, height }: Size): Rectangle {
+        const whole = this.renderer.getSize(new Vector2());
+        this.camera.aspect = width / height;
+        this.fitQuietly();
         this.upload(-Infinity, 1);
         this.materials.setMorph(1);
+        this.renderer.setViewport(0, 0, width, height);
         this.renderer.render(this.scene, this.orbitCamera());
+        this.renderer.setViewport(0, 0, whole.x, whole.y);
+        const ratio = this.renderer.getPixelRatio();
+        return { left: 0, top: this.canvas.height - ratio * height, width: ratio * width, height: ratio * height };
     }
 
     dispose(): void {
@@ -217,7 +226,6 @@ export class ModelView {
         this.resize.disconnect();
         this.controls.dispose();
         this.morphing.dispose();
-        this.edgeGeometry.dispose();
         this.canvas.removeEventListener("keydown", this.onKey);
         releaseDrawing(this.drawing);
     }
@@ -238,9 +246,9 @@ export class ModelView {
         this.count(now);
         this.controls.update();
         const morphed = (now - this.morphBegan) / this.morphDuration();
-        if (this.pending && now - this.morphBegan >= Math.min(leastMorphMilliseconds, this.morphDuration())) {
+        if (this.pending && now - this.morphBegan >= morphPerUpload * this.uploadTook) {
             this.upload(now, morphed);
-        } else if (this.heatStale && !this.pending && this.mesh) {
+        } else if (this.heatStale && this.showsHeat && !this.pending && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
@@ -248,7 +256,6 @@ export class ModelView {
         if (!this.dirty || !this.mesh) return;
         this.dirty = false;
         this.materials.setMorph(ease(Math.min((now - this.morphBegan) / this.morphDuration(), 1)));
-        if (this.showsEdges && this.edgesStale) this.copyEdges();
         this.renderer.render(this.scene, this.photograph ? this.photographCamera(this.photograph) : this.orbitCamera());
         this.markDrawn(this.morphing.vertexCount);
     };
@@ -262,10 +269,13 @@ export class ModelView {
 
     private upload(now: number, morphed: number): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
+        const began = performance.now();
         this.pending = false;
+        const isFirst = this.morphing.vertexCount === 0; // it has nothing to come from
         this.morphing.update(this.model, this.model.takeChanges(), ease(Math.min(morphed, 1)));
-        this.morphBegan = now;
-        this.edgesStale = this.dirty = true;
+        this.morphBegan = isFirst ? -Infinity : now;
+        this.dirty = true;
+        this.uploadTook = performance.now() - began;
     }
 
     private morphDuration(): number {
@@ -278,15 +288,6 @@ export class ModelView {
         this.rate = (1000 * this.nTicks) / (now - this.ticksSince);
         this.nTicks = 0;
         this.ticksSince = now;
-    }
-
-    private copyEdges(): void {
-        this.edgesStale = false;
-        const { geometry } = this.morphing;
-        for (const name of ["position", "positionFrom", "tint", "normal"]) {
-            this.edgeGeometry.setAttribute(name, geometry.getAttribute(name));
-        }
-        this.edgeGeometry.setIndex(new BufferAttribute(this.morphing.edges(this.mesh!), 1));
     }
 
     /** Bounds of the mesh, world units. */
