@@ -57,6 +57,7 @@ export class ModelView {
     private model: Model | undefined;
     private mesh: ProgressiveMesh | undefined;
     private photograph: PhotographView | undefined;
+    private covered = { top: 0, bottom: 0 };
     private centre = new Vector3();
     private radius = 1;
     private firstEye: Vector3 | undefined;
@@ -156,6 +157,14 @@ export class ModelView {
         this.controls.target.copy(target);
         if (eye) this.firstEye = new Vector3(...eye);
         if (!this.hasPose && this.mesh) this.applyPose();
+    }
+
+    /** Leaves room for what lies over the upper and lower ends of the canvas, CSS pixels. */
+    setCovered(top: number, bottom: number): void {
+        if (top === this.covered.top && bottom === this.covered.bottom) return;
+        this.covered = { top, bottom };
+        this.offsetCamera();
+        if (!this.hasPose && this.mesh) this.fitQuietly();
     }
 
     get pose(): Pose {
@@ -306,9 +315,10 @@ export class ModelView {
     }
 
     private fitDistance(): number {
-        const half = (fieldOfView / 2) * (Math.PI / 180);
-        const horizontal = Math.atan(Math.tan(half) * this.camera.aspect);
-        return (0.92 * this.radius) / Math.sin(Math.min(half, horizontal));
+        const { top, bottom } = this.covered;
+        const tangent = Math.tan((fieldOfView / 2) * (Math.PI / 180));
+        const vertical = tangent * Math.max(1 - (top + bottom) / this.canvas.clientHeight, 0.3);
+        return (0.92 * this.radius) / Math.sin(Math.atan(Math.min(vertical, tangent * this.camera.aspect)));
     }
 
     private applyPose(): void {
@@ -356,8 +366,18 @@ export class ModelView {
         if (had.x !== width || had.y !== height) this.renderer.setSize(width, height); // makes new buffers
         const hadAspect = this.camera.aspect;
         this.camera.aspect = width / height;
+        this.offsetCamera();
         this.camera.updateProjectionMatrix();
         if (!this.hasPose && this.mesh && hadAspect !== this.camera.aspect) this.fitQuietly();
+        this.dirty = true;
+    }
+
+    /** The middle of the view is the middle of what is not covered. */
+    private offsetCamera(): void {
+        const { clientWidth, clientHeight } = this.canvas;
+        const down = (this.covered.top - this.covered.bottom) / 2;
+        if (down === 0) this.camera.clearViewOffset();
+        else this.camera.setViewOffset(clientWidth, clientHeight, 0, -down, clientWidth, clientHeight);
         this.dirty = true;
     }
 

@@ -4,6 +4,7 @@ import { cameraCentre, meanUp } from "./camera-view.js";
 import { h } from "./dom.js";
 import { draco } from "./draco.js";
 import { ModelView } from "./model-view.js";
+import { tokenOption } from "./token.js";
 
 const size = { width: 320, height: 240 }; // CSS pixels
 
@@ -30,7 +31,7 @@ export class ThumbnailPainter {
     private async draw(id: string, canvas: HTMLCanvasElement): Promise<void> {
         if (this.stop.signal.aborted) return;
         const coloured = { bytes: 0 }; // the base and its colours
-        const model = await openModel(modelUrl(id), { draco: draco(), budget: coloured, signal: this.stop.signal as never });
+        const model = await openModel(modelUrl(id), { ...tokenOption(), draco: draco(), budget: coloured, signal: this.stop.signal as never });
         document.body.append(this.rehearsal);
         const view = new ModelView(this.stage);
         try {
