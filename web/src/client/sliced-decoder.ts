@@ -38,6 +38,8 @@ const publishMilliseconds = 30;
 /** Vertices replayed between two looks at the clock: well below a millisecond, also before the engine has warmed up. */
 const strideVertices = 24;
 const normalsPerLook = 1000;
+/** No log has more than this. */
+const mostVerticesPerByte = 8;
 /** Frames that Draco decodes ahead of the replay. */
 const framesAhead = 6;
 const mergedGap = 64;
@@ -46,7 +48,7 @@ const mergedGap = 64;
  * Decodes a log as bytes arrive, Draco in its service and the replay in slices, so that no task is long; up or down to
  * a vertex budget, and no payload before a budget needs it.
  *
- * Memory: at most 380 bytes a vertex of the finest mesh so far, and the bytes of the log that wait: 96 of mesh, normals
+ * Memory: at most 380 bytes a vertex of the finest mesh so far or that its budget will come to, and the bytes of the log that wait: 96 of mesh, normals
  * and marks in arrays of up to twice the size that they need, 79 in each kept state, which together have less than twice
  * its vertices, 25 of records to go back by.
  */
@@ -169,7 +171,10 @@ export class SlicedDecoder {
             else if (this.wantsPart()) await this.takePart();
             else if (!this.replay(deadline)) break;
             if (this.platform.now() < deadline) continue;
-            if (this.platform.now() - this.published >= publishMilliseconds) await this.publish();
+            if (this.platform.now() - this.published >= publishMilliseconds) {
+                await this.platform.pause();
+                await this.publish();
+            }
             await this.platform.pause();
             deadline = this.newDeadline();
         }
@@ -204,10 +209,20 @@ export class SlicedDecoder {
             this.meshRead.setMaxVertices(0);
             this.nVerticesApplied = this.meshRead.nVertices;
         } else {
+            this.reserve(this.meshRead!);
             this.meshRead!.apply(frame, payload, decoder);
             this.nVerticesApplied = frame.nSplits === 0 ? this.nVerticesApplied : frame.nVerticesBefore + 3 * frame.nSplits;
         }
         this.replayTime += this.platform.now() - begin;
+    }
+
+    /** Makes room for what is to come, as far as the bytes that are there make it credible. */
+    private reserve(mesh: ProgressiveMesh): void {
+        const { index, wholeBytes } = this.scanner;
+        const expected = Math.min(this.maxVertices, index?.at(-1)?.nVertices ?? 0, mostVerticesPerByte * wholeBytes);
+        if (expected <= mesh.nVertices) return;
+        mesh.reserve(expected);
+        this.vertexNormals.reserve(expected);
     }
 
     /** Replays until the deadline, at least one stride. @returns whether there was anything to replay */
@@ -247,6 +262,7 @@ export class SlicedDecoder {
             await this.platform.pause();
             deadline = this.newDeadline();
         }
+        await this.platform.pause(); // who listens may take as long again
         this.unpublished = false;
         this.published = this.platform.now();
         if (!this.disposed) this.events.onChange();

@@ -85,7 +85,8 @@ export class VertexNormals {
         this.fresh.markRange(range);
     }
 
-    private reserve(nVertices: number): void {
+    /** Makes room for so many vertices. */
+    reserve(nVertices: number): void {
         if (4 * nVertices <= this.values.length) return;
         const larger = new Int16Array(Math.max(4 * nVertices, 2 * this.values.length));
         larger.set(this.values);

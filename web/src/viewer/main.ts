@@ -1,4 +1,3 @@
-import "@fontsource-variable/inter/index.css";
 import "./style.css";
 
 import { h, icon, icons } from "./dom.js";

@@ -31,8 +31,8 @@ export type Pose = readonly [number, number, number, number, number, number];
 
 const fieldOfView = 32; // degrees
 const morphMilliseconds = 420;
-/** A morph goes on for so many times as long as it took to begin it, so that a stream of changes leaves time to draw. */
-const morphPerUpload = 4;
+/** Changes that wait for the last ones to be drawn: where drawing is slow, one upload for all; more would be a long task. */
+const mostPending = 4;
 
 /** Draws one model: its surface, as it refines, from any side or through a photograph's camera. */
 export class ModelView {
@@ -63,11 +63,10 @@ export class ModelView {
     private firstEye: Vector3 | undefined;
     private poseWanted: Pose | undefined;
     private hasPose = false;
-    private pending = false;
     private morphBegan = -Infinity;
-    /** Milliseconds that the last upload took. */
-    private uploadTook = 0;
     private dirty = true;
+    /** Changes that were told and not taken. */
+    private nPending = 0;
     private heatStale = false;
     private showsHeat = false;
     private verticesDrawn = 0;
@@ -113,6 +112,7 @@ export class ModelView {
     begin(mesh: ProgressiveMesh): void {
         this.mesh = mesh;
         this.morphing.clear();
+        this.nPending = 0;
         const { origin, unit } = mesh.grid;
         this.placed.position.set(...origin);
         this.placed.scale.setScalar(unit);
@@ -121,9 +121,10 @@ export class ModelView {
         this.morphBegan = -Infinity;
     }
 
-    /** The model has changed: the next frames show it. */
+    /** The model has changed: the next frames go there. */
     take(): void {
-        this.pending = true;
+        ++this.nPending;
+        if (!this.dirty || this.nPending >= mostPending) this.upload(performance.now());
     }
 
     /** The next heat map is measured from the mesh as it is now. */
@@ -221,7 +222,6 @@ export class ModelView {
         const whole = this.renderer.getSize(new Vector2());
         this.camera.aspect = width / height;
         this.fitQuietly();
-        this.upload(-Infinity, 1);
         this.materials.setMorph(1);
         this.renderer.setViewport(0, 0, width, height);
         this.renderer.render(this.scene, this.orbitCamera());
@@ -254,17 +254,16 @@ export class ModelView {
         this.frame = requestAnimationFrame(this.tick);
         this.count(now);
         this.controls.update();
-        const morphed = (now - this.morphBegan) / this.morphDuration();
-        if (this.pending && now - this.morphBegan >= morphPerUpload * this.uploadTook) {
-            this.upload(now, morphed);
-        } else if (this.heatStale && this.showsHeat && !this.pending && this.mesh) {
+        if (this.nPending > 0) {
+            this.upload(now);
+        } else if (this.heatStale && this.showsHeat && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
         if (now - this.morphBegan < this.morphDuration() + 50) this.dirty = true;
         if (!this.dirty || !this.mesh) return;
         this.dirty = false;
-        this.materials.setMorph(ease(Math.min((now - this.morphBegan) / this.morphDuration(), 1)));
+        this.materials.setMorph(ease(clamped((now - this.morphBegan) / this.morphDuration())));
         this.renderer.render(this.scene, this.photograph ? this.photographCamera(this.photograph) : this.orbitCamera());
         this.markDrawn(this.morphing.vertexCount);
     };
@@ -276,15 +275,15 @@ export class ModelView {
         performance.mark("drawn", { detail: vertices });
     }
 
-    private upload(now: number, morphed: number): void {
+    /** Takes what has changed, and begins a morph from where the last one has come to. */
+    private upload(now: number): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
-        const began = performance.now();
-        this.pending = false;
+        this.nPending = 0;
+        const morphed = (now - this.morphBegan) / this.morphDuration();
         const isFirst = this.morphing.vertexCount === 0; // it has nothing to come from
-        this.morphing.update(this.model, this.model.takeChanges(), ease(Math.min(morphed, 1)));
+        this.morphing.update(this.model, this.model.takeChanges(), ease(clamped(morphed)));
         this.morphBegan = isFirst ? -Infinity : now;
         this.dirty = true;
-        this.uploadTook = performance.now() - began;
     }
 
     private morphDuration(): number {
@@ -427,6 +426,11 @@ export class ModelView {
         this.dirty = true;
         this.onMoved();
     }
+}
+
+/** To 0 .. 1: a frame's time may be a little before the change that it shows. */
+function clamped(t: number): number {
+    return Math.min(Math.max(t, 0), 1);
 }
 
 /** Quick at first, soft at the end. */

@@ -150,22 +150,24 @@ export class MorphGeometry {
 
 /** Puts the start of the next morph where the surface is drawn now. */
 function settleFrom({ position, positionFrom }: Buffers, moving: readonly Range[], progress: number): void {
-    const [to, from] = [position.array, positionFrom.array];
+    const [to, from] = [position.array as Float32Array, positionFrom.array as Float32Array];
     for (const { first, count } of moving) {
         const end = 3 * (first + count);
-        if (progress >= 1) from.set(to.subarray(3 * first, end) as never, 3 * first);
+        if (progress >= 1) from.set(to.subarray(3 * first, end), 3 * first);
         else for (let i = 3 * first; i < end; ++i) from[i] += progress * (to[i] - from[i]);
     }
 }
 
 /** Vertices are in the order in which they came, so the ends of a new vertex's edge are placed before it. */
 function startAtParents(mesh: ProgressiveMesh, { positionFrom }: Buffers, known: number): void {
-    const from = positionFrom.array;
+    const from = positionFrom.array as Float32Array;
     const { parents, nVertices, positions } = mesh;
     for (let v = known; v < nVertices; ++v) {
-        const [p, q] = [3 * parents[2 * v], 3 * parents[2 * v + 1]];
+        const p = 3 * parents[2 * v];
+        const q = 3 * parents[2 * v + 1];
+        const isOfBase = p === 3 * v;
         for (let axis = 0; axis < 3; ++axis) {
-            from[3 * v + axis] = p === 3 * v ? positions[p + axis] : 0.5 * (from[p + axis] + from[q + axis]);
+            from[3 * v + axis] = isOfBase ? positions[p + axis] : 0.5 * (from[p + axis] + from[q + axis]);
         }
     }
 }
@@ -173,37 +175,36 @@ function startAtParents(mesh: ProgressiveMesh, { positionFrom }: Buffers, known:
 function copyPositions({ positions }: ProgressiveMesh, position: BufferAttribute, ranges: readonly Range[]): void {
     for (const { first, count } of ranges) {
         position.array.set(positions.subarray(3 * first, 3 * (first + count)) as never, 3 * first);
-        position.addUpdateRange(3 * first, 3 * count);
+        changed(position, 3 * first, 3 * count);
     }
-    position.needsUpdate = true;
 }
 
 function copyNormals(normals: Int16Array, normal: BufferAttribute, ranges: readonly Range[]): void {
     for (const { first, count } of ranges) {
         normal.array.set(normals.subarray(4 * first, 4 * (first + count)) as never, 4 * first);
-        normal.addUpdateRange(4 * first, 4 * count);
+        changed(normal, 4 * first, 4 * count);
     }
-    normal.needsUpdate = true;
 }
 
 function copyColours(mesh: ProgressiveMesh, tint: BufferAttribute, ranges: readonly Range[]): void {
     const { colours } = mesh;
+    const into = tint.array as Uint8Array;
     for (const { first, count } of ranges) {
         for (let v = first; v < first + count; ++v) {
-            for (let channel = 0; channel < 3; ++channel) tint.array[4 * v + channel] = colours[3 * v + channel];
+            into[4 * v] = colours[3 * v];
+            into[4 * v + 1] = colours[3 * v + 1];
+            into[4 * v + 2] = colours[3 * v + 2];
         }
-        tint.addUpdateRange(4 * first, 4 * count);
+        changed(tint, 4 * first, 4 * count);
     }
-    tint.needsUpdate = true;
 }
 
 function copyFaces(mesh: ProgressiveMesh, faces: BufferAttribute, ranges: readonly Range[]): void {
     const { triangles } = mesh;
     for (const { first, count } of ranges) {
         faces.array.set(triangles.subarray(3 * first, 3 * (first + count)) as never, 3 * first);
-        faces.addUpdateRange(3 * first, 3 * count);
+        changed(faces, 3 * first, 3 * count);
     }
-    faces.needsUpdate = true;
 }
 
 function copyEdges({ faces, edges }: Buffers, ranges: readonly Range[]): void {
@@ -215,14 +216,12 @@ function copyEdges({ faces, edges }: Buffers, ranges: readonly Range[]): void {
             array[2 * h] = a;
             array[2 * h + 1] = a < b ? b : a;
         }
-        edges.addUpdateRange(6 * first, 6 * count);
+        changed(edges, 6 * first, 6 * count);
     }
-    edges.needsUpdate = true;
 }
 
 function uploadRanges(attribute: BufferAttribute, vertices: readonly Range[]): void {
-    for (const { first, count } of vertices) attribute.addUpdateRange(attribute.itemSize * first, attribute.itemSize * count);
-    attribute.needsUpdate = true;
+    for (const { first, count } of vertices) changed(attribute, attribute.itemSize * first, attribute.itemSize * count);
 }
 
 /** What of the ranges is below n. */
@@ -245,8 +244,21 @@ function merged(ranges: Range[]): Range[] {
     return result;
 }
 
+/** Nobody draws a page that is not seen, and then its ranges stay: rather all than too many. */
+const mostRanges = 2000;
+
+/** Notes numbers of an attribute that the graphics card lacks. */
+function changed(attribute: BufferAttribute, first: number, n: number): void {
+    if (attribute.updateRanges.length > mostRanges) {
+        attribute.clearUpdateRanges();
+        attribute.addUpdateRange(0, attribute.array.length);
+    } else {
+        attribute.addUpdateRange(first, n);
+    }
+    attribute.needsUpdate = true;
+}
+
 function uploadAll(attribute: BufferAttribute, n: number): void {
     attribute.clearUpdateRanges();
-    attribute.addUpdateRange(0, n);
-    attribute.needsUpdate = true;
+    changed(attribute, 0, n);
 }
