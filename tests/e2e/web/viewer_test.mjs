@@ -348,26 +348,32 @@ test("Model page: through a photograph's camera the mesh covers what the photogr
             return { x: left, y: top, width, height };
         });
         const shot = await page.screenshot({ clip: share });
-        const overlap = await page.evaluate(overlapOf, [
-            shot.toString("base64"),
-            readFileSync(join(capture, "masks", readdirSync(join(capture, "masks")).sort()[2])).toString("base64"),
-        ]);
+        const mask = readFileSync(join(capture, "masks", readdirSync(join(capture, "masks")).sort()[2]));
+        const pictures = [shot.toString("base64"), mask.toString("base64")];
+        const overlap = await page.evaluate(overlapOf, [...pictures, 0, 0]);
         assert.ok(overlap > 0.93, `expected the silhouettes to agree, got an overlap of ${overlap}`);
+        for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+            const shifted = await page.evaluate(overlapOf, [...pictures, dx, dy]);
+            assert.ok(shifted < overlap, `expected less than ${overlap} a pixel aside, got ${shifted} at ${dx} ${dy}`);
+        }
         await page.locator("canvas").press("ArrowLeft");
         await page.locator("img.photograph").waitFor({ state: "hidden" });
     }));
 
-/** In the page: intersection over union of what is not magenta in one picture and what is white in the other. */
-async function overlapOf([shown, mask]) {
+/**
+ * In the page: intersection over union of what is not magenta in one picture and what is white in the other, which is
+ * shifted by some pixels.
+ */
+async function overlapOf([shown, mask, dx, dy]) {
     const [width, height] = [320, 240];
-    const pixels = async (base64) => {
+    const pixels = async (base64, x, y) => {
         const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
         const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
         const context = new OffscreenCanvas(width, height).getContext("2d");
-        context.drawImage(image, 0, 0, width, height);
+        context.drawImage(image, x, y, width, height);
         return context.getImageData(0, 0, width, height).data;
     };
-    const [a, b] = [await pixels(shown), await pixels(mask)];
+    const [a, b] = [await pixels(shown, 0, 0), await pixels(mask, dx, dy)];
     let [both, either] = [0, 0];
     for (let i = 0; i < a.length; i += 4) {
         const isMesh = !(a[i] > 200 && a[i + 1] < 60 && a[i + 2] > 200);

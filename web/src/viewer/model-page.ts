@@ -8,6 +8,7 @@ import { h, icon, icons } from "./dom.js";
 import { draco } from "./draco.js";
 import { bytes, count, duration, hex32, milliseconds, shortId, significant } from "./format.js";
 import { ModelView } from "./model-view.js";
+import { goTo } from "./page.js";
 import type { Page } from "./page.js";
 import { PhotoStrip } from "./photo-strip.js";
 import { RatePlot } from "./rate-plot.js";
@@ -114,12 +115,19 @@ class ModelPage {
         }
         this.view.setShading(this.shading);
         this.view.setEdges(this.edges);
-        this.view.setCovered(this.toolbar.offsetTop + this.toolbar.offsetHeight, this.foot.offsetHeight);
+        this.leaveRoom();
         this.view.onMoved = () => this.remember();
         this.view.onLeftPhotograph = () => this.leavePhotograph();
         if (this.shared.pose) this.view.setPose(this.shared.pose);
         if (this.model) this.view.setModel(this.model);
         this.begin();
+    }
+
+    /** Keeps the model clear of what lies over its stage: a card of stages that is as wide as a phone, too. */
+    private leaveRoom(): void {
+        const card = this.stageLine;
+        const upper = !card.hidden && card.offsetWidth > 0.6 * this.stage.offsetWidth ? card : this.toolbar;
+        this.view?.setCovered(upper.offsetTop + upper.offsetHeight, this.foot.offsetHeight);
     }
 
     dispose(): void {
@@ -251,7 +259,9 @@ class ModelPage {
         this.info = info;
         this.chip.textContent = stateSentence(info);
         this.chip.className = `chip ${info.state}`;
+        const wasHidden = this.stageLine.hidden;
         this.stageLine.hidden = isFinal(info);
+        if (wasHidden !== this.stageLine.hidden) this.leaveRoom();
         this.stages.update(info);
         this.stageText.textContent = stageSentence(info);
         this.waiting.textContent = waitingSentence(info);
@@ -330,7 +340,8 @@ class ModelPage {
             this.say(`The stream is damaged: ${error.message}. What was decoded before stays.`);
         } else if (error instanceof RequestError || error instanceof ServerError) {
             if (error instanceof ServerError) wantsToken(error.status);
-            this.say(error.status === 404 && !this.info ? "There is no such model. It may have been deleted." : error.message);
+            if (error.status === 404 && !this.info) this.say("There is no such model. It may have been deleted.", "All models", () => goTo("/"));
+            else this.say(error.message);
         } else if (error instanceof TypeError) {
             this.say("The connection is lost. What has arrived stays.", again && "Try again", again, "connection");
         } else {
@@ -352,7 +363,7 @@ class ModelPage {
         this.photos.onLeave = () => this.view?.leavePhotograph();
         this.stage.prepend(this.photos.picture);
         this.foot.append(this.photos.blendControl, this.photos.strip);
-        this.view.setCovered(this.toolbar.offsetTop + this.toolbar.offsetHeight, this.foot.offsetHeight);
+        this.leaveRoom();
         if (this.shared.photograph !== undefined) void this.photos.enter(this.shared.photograph);
     }
 
