@@ -83,6 +83,24 @@ test("openModel: bytes asked for ahead are left if they are of another log, or t
         short.dispose();
     }));
 
+test("openModel, followModel: a token goes with every request, and with a WebSocket as a protocol that it offers", async () => {
+    const live = liveForm(icosphere);
+    const onLive: LogServerOptions["onLive"] = (socket) => {
+        socket.send(JSON.stringify({ type: "end", state: "done" }));
+        socket.close();
+    };
+    await withServer(live, { onLive }, async (url, server) => {
+        const model = await openModel(url, { ...options, token: "abc", bytesWanted: live.length });
+        await model.live();
+        assert.deepEqual(server.credentials, ["Bearer abc", "Bearer abc", "anyrate.live,anyrate.bearer.abc"]);
+        model.dispose();
+        const open = await openModel(url, options);
+        await open.live();
+        assert.deepEqual(server.credentials.slice(3), [undefined, undefined]);
+        open.dispose();
+    });
+});
+
 test("openModel: every budget, up and down, is the mesh that the golden file tells", () =>
     withServer(icosphere, {}, async (url, server) => {
         const model = await openModel(url, options);
