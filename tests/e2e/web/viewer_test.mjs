@@ -284,6 +284,13 @@ test("Gallery: the model is there with a picture of its first kilobytes", () =>
         await page.goto(proxy.url);
         const card = page.locator(`article[data-id="${id}"]`);
         await card.locator("canvas.painted").waitFor();
+        const colours = await card.locator("canvas").evaluate((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            const seen = new Set();
+            for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 0) seen.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+            return [...seen].filter((rgb) => Math.abs((rgb >> 16) - (rgb & 255)) > 40).length;
+        });
+        assert.ok(colours > 100, `the picture has the model's colours, got ${colours} of them`);
         assert.match(await card.innerText(), new RegExp(`Done\\s+${most.toLocaleString("en")} vertices`));
         await page.waitForTimeout(500); // of its fading in
         await picture(page, "gallery");

@@ -41,10 +41,6 @@ export class LogDownload {
     get nBytes(): number {
         return this.have;
     }
-    /** Bytes of the log on the server, once it has said so. */
-    get nBytesTotal(): number | undefined {
-        return this.total;
-    }
     get nRequests(): number {
         return this.requestsMade;
     }

@@ -209,10 +209,6 @@ export class ModelView {
         this.onLeftPhotograph();
     }
 
-    get isThroughPhotograph(): boolean {
-        return this.photograph !== undefined;
-    }
-
     /**
      * Draws what there is at once, without a morph, into the lower left corner of the canvas: for a picture.
      * @param size CSS pixels
@@ -222,6 +218,7 @@ export class ModelView {
         const whole = this.renderer.getSize(new Vector2());
         this.camera.aspect = width / height;
         this.fitQuietly();
+        this.upload(-Infinity);
         this.materials.setMorph(1);
         this.renderer.setViewport(0, 0, width, height);
         this.renderer.render(this.scene, this.orbitCamera());
