@@ -100,6 +100,7 @@ const since = (page, vertices) =>
 async function openGallery(page) {
     await page.goto(url);
     await page.locator("canvas.painted").waitFor();
+    await page.waitForTimeout(400); // of its fading in
 }
 
 const clickModel = (page) =>
