@@ -5,6 +5,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/rfc7230.hpp>
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +19,9 @@ namespace anyrate {
 namespace {
 
 namespace websocket = beast::websocket;
+
+/// What a client may offer beside a token (bearer.h): a browser wants one of its protocols chosen.
+constexpr const char* live_protocol = "anyrate.live";
 
 /// One upgraded connection. Its coroutines run on its network thread.
 struct Connection {
@@ -51,7 +55,11 @@ private:
     Connection& connection_;
 };
 
-void set_options(Connection& connection) {
+bool offers_live_protocol(const beast::http::request<beast::http::empty_body>& upgrade) {
+    return beast::http::token_list(upgrade[beast::http::field::sec_websocket_protocol]).exists(live_protocol);
+}
+
+void set_options(Connection& connection, bool names_protocol) {
     auto& socket = connection.socket;
     // The kernel doubles what it is told, for its own accounts.
     ErrorCode ignored;  // then the kernel's own limits hold
@@ -60,8 +68,10 @@ void set_options(Connection& connection) {
     socket.set_option(websocket::stream_base::timeout{.handshake_timeout = std::chrono::seconds(10),
                                                       .idle_timeout = std::chrono::seconds(120),
                                                       .keep_alive_pings = true});
-    socket.set_option(websocket::stream_base::decorator(
-        [](websocket::response_type& response) { response.set(beast::http::field::server, "anyrate"); }));
+    socket.set_option(websocket::stream_base::decorator([names_protocol](websocket::response_type& response) {
+        response.set(beast::http::field::server, "anyrate");
+        if (names_protocol) response.set(beast::http::field::sec_websocket_protocol, live_protocol);
+    }));
     socket.read_message_max(4096);
     socket.auto_fragment(false);  // a message goes as it lies in memory, in one frame
 }
@@ -174,7 +184,7 @@ awaitable<void> serve_live(std::shared_ptr<Stream> stream, beast::http::request<
     const Counted counted(context.metrics.live_clients);
     const auto connection = std::make_shared<Connection>(std::move(stream), context, std::move(wish), wake_up);
     connection->stream->expires_never();  // the WebSocket has deadlines of its own
-    set_options(*connection);
+    set_options(*connection, offers_live_protocol(upgrade));
     co_await connection->socket.async_accept(upgrade, use_awaitable);
     connection->socket.binary(true);
     asio::co_spawn(connection->socket.get_executor(), read_client(connection), asio::detached);

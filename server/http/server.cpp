@@ -228,21 +228,22 @@ struct Server::State {
                     .viewer = ViewerFiles::load(options.viewer)};
     Router router = make_router(service);
     LiveFeeds live_feeds{service, events, quick_pool};
-    ServerContext context{.service = service,
-                          .router = router,
-                          .events = events,
-                          .sessions = sessions,
-                          .live_feeds = live_feeds,
-                          .metrics = metrics,
-                          .quick_pool = quick_pool,
-                          .heavy_pool = heavy_pool,
-                          .upload_pool = upload_pool,
-                          .limits = limits_of(options),
-                          .access = {tokens, options.is_private, !endpoint.address().is_loopback()},
-                          .cors_origins = options.cors_origins,
-                          .log = options.log,
-                          .log_access = options.log_access,
-                          .log_from_status = options.log_from_status};
+    ServerContext context{
+        .service = service,
+        .router = router,
+        .events = events,
+        .sessions = sessions,
+        .live_feeds = live_feeds,
+        .metrics = metrics,
+        .quick_pool = quick_pool,
+        .heavy_pool = heavy_pool,
+        .upload_pool = upload_pool,
+        .limits = limits_of(options),
+        .access = {tokens, options.is_private, !endpoint.address().is_loopback(), service.viewer != nullptr},
+        .cors_origins = options.cors_origins,
+        .log = options.log,
+        .log_access = options.log_access,
+        .log_from_status = options.log_from_status};
     std::vector<std::unique_ptr<NetworkThread>> threads;
     asio::steady_timer capture_timer{threads[0]->loop()};
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins

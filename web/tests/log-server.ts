@@ -23,6 +23,10 @@ export class LogServer {
     /** Range fields of the requests for the log. */
     readonly ranges: string[] = [];
     nBytesSent = 0;
+    /** Field Authorization of each request for the log, and protocols that each WebSocket offered. */
+    readonly credentials: (string | undefined)[] = [];
+    /** Called with the Range of a request for the log, before it is answered. */
+    onRequest: (range: string) => void = () => {};
     /** Of the log, as far as answers were read. */
     sideIndex: Uint8Array | undefined;
     private readonly options: LogServerOptions;
@@ -34,6 +38,7 @@ export class LogServer {
         this.options = options;
         this.sockets.on("connection", (socket, request) => {
             const from = new URL(request.url!, "http://localhost").searchParams.get("from");
+            this.credentials.push(request.headers["sec-websocket-protocol"]);
             this.options.onLive?.(socket, Number(from));
         });
     }
@@ -66,7 +71,9 @@ export class LogServer {
             return;
         }
         const { range = "" } = request.headers;
+        this.onRequest(range);
         this.ranges.push(range);
+        this.credentials.push(request.headers.authorization);
         const condition = request.headers["if-range"];
         const asked = /^bytes=(\d+)-(\d*)$/.exec(range);
         if (!asked || this.options.ignoresRange || (condition !== undefined && condition !== this.etag)) {

@@ -38,6 +38,7 @@ function assertGolden(model: Model, budget: number): void {
 const goldenBudgets = icosphereExpectations.map(({ budget }) => budget);
 const mostVertices = Math.max(...goldenBudgets);
 const framesBegin = readLayout(icosphere).framesBegin;
+const framesIn = (log: Uint8Array) => readLayout(log).index.length;
 const endOf = (row: number) => framesBegin + readLayout(icosphere).index[row].end;
 
 test("openModel: one request of 8 KB brings a mesh, one more each raised budget", () =>
@@ -48,10 +49,57 @@ test("openModel: one request of 8 KB brings a mesh, one more each raised budget"
         await model.setBudget({ vertices: 100 });
         assert.deepEqual(server.ranges, ["bytes=0-8191"], "8 KB hold that budget");
         await model.setBudget({ vertices: 1e6 });
-        assert.deepEqual(server.ranges, ["bytes=0-8191", `bytes=8192-${endOf(readLayout(icosphere).index.length - 1) - 1}`]);
+        assert.deepEqual(server.ranges, ["bytes=0-8191", `bytes=8192-${endOf(framesIn(icosphere) - 1) - 1}`]);
         assert.ok(server.nBytesSent <= icosphere.length);
         model.dispose();
     }));
+
+test("openModel: bytes that are wanted in any case are asked for beside the first request, and come once", () =>
+    withServer(icosphere, {}, async (url, server) => {
+        const whole = { budget: { vertices: 1e6 }, bytesWanted: icosphere.length };
+        const model = await openModel(url, { ...options, ...whole });
+        // By two connections, so either may come first.
+        assert.deepEqual(server.ranges.slice().sort(), ["bytes=0-8191", `bytes=8192-${icosphere.length - 1}`]);
+        assertGolden(model, mostVertices);
+        assert.equal(server.nBytesSent, icosphere.length);
+        model.dispose();
+        const small = await openModel(url, { ...options, bytesWanted: 5000 });
+        assert.equal(server.ranges.length, 3, "8 KB hold what is wanted");
+        small.dispose();
+    }));
+
+test("openModel: bytes asked for ahead are left if they are of another log, or too few", () =>
+    withServer(icosphere, {}, async (url, server) => {
+        server.onRequest = (range) => (server.log = range.startsWith("bytes=0-") ? icosphere : icospherePacked);
+        const model = await openModel(url, { ...options, budget: { vertices: 1e6 }, bytesWanted: icosphere.length });
+        assertGolden(model, mostVertices);
+        assert.equal(server.ranges.length, 3);
+        model.dispose();
+        server.onRequest = () => {};
+        server.log = icosphere;
+        const short = await openModel(url, { ...options, budget: { vertices: 1e6 }, bytesWanted: 9000 });
+        assertGolden(short, mostVertices);
+        assert.deepEqual(server.ranges.slice(3).sort(), ["bytes=0-8191", "bytes=8192-8999", `bytes=9000-${endOf(framesIn(icosphere) - 1) - 1}`]);
+        short.dispose();
+    }));
+
+test("openModel, followModel: a token goes with every request, and with a WebSocket as a protocol that it offers", async () => {
+    const live = liveForm(icosphere);
+    const onLive: LogServerOptions["onLive"] = (socket) => {
+        socket.send(JSON.stringify({ type: "end", state: "done" }));
+        socket.close();
+    };
+    await withServer(live, { onLive }, async (url, server) => {
+        const model = await openModel(url, { ...options, token: "abc", bytesWanted: live.length });
+        await model.live();
+        assert.deepEqual(server.credentials, ["Bearer abc", "Bearer abc", "anyrate.live,anyrate.bearer.abc"]);
+        model.dispose();
+        const open = await openModel(url, options);
+        await open.live();
+        assert.deepEqual(server.credentials.slice(3), [undefined, undefined]);
+        open.dispose();
+    });
+});
 
 test("openModel: every budget, up and down, is the mesh that the golden file tells", () =>
     withServer(icosphere, {}, async (url, server) => {

@@ -24,8 +24,8 @@ export function scratchFolder() {
 }
 
 /** `anyrate serve` on a free port, with the viewer beside the program. */
-export async function startServer(data) {
-    const child = spawn(anyrate, ["serve", "--listen", "127.0.0.1:0", "--data", data], { stdio: ["ignore", "pipe", "ignore"] });
+export async function startServer(data, ...options) {
+    const child = spawn(anyrate, ["serve", "--listen", "127.0.0.1:0", "--data", data, ...options], { stdio: ["ignore", "pipe", "ignore"] });
     const [line] = await once(createInterface(child.stdout), "line");
     const url = /^listening on (http:\S+)$/.exec(line)?.[1];
     if (!url) throw new Error(`the server did not start: ${line}`);
@@ -92,7 +92,17 @@ export class Proxy {
     }
 }
 
-/** Headless, drawing in software, and looking for no other host. */
+/** Drops files or folders of this machine on a point of a page, as a hand would. */
+export async function dropFiles(page, { x, y }, paths) {
+    const devtools = await page.context().newCDPSession(page);
+    const data = { items: [], files: paths, dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "drop"]) await devtools.send("Input.dispatchDragEvent", { type, x, y, data });
+}
+
+/**
+ * Headless, and looking for no other host. Without a graphics card WebGL is drawn in software by SwiftShader, the page
+ * itself by Skia.
+ */
 export function startBrowser() {
     return chromium.launch({
         executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -105,7 +115,7 @@ export function startBrowser() {
             "--disable-sync",
             "--use-angle=swiftshader",
             "--enable-unsafe-swiftshader",
-            "--ignore-gpu-blocklist",
+            "--ignore-gpu-blocklist","--disable-gpu-rasterization",
         ],
     });
 }

@@ -1,12 +1,13 @@
 // The viewer as a visitor uses it: headless Chromium on a real `anyrate serve`.
 // ANYRATE is the program; its viewer lies beside it (npm run viewer in web/). SCREENSHOTS is a folder that gets pictures.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { cpSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
-import { Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
 
 const patience = 60_000; // ms, far above what is needed
 const nVertices = 3000;
@@ -33,7 +34,7 @@ after(async () => {
 });
 
 /** A page that fails its test if it has an error, or asks another host. */
-async function withPage(options, use) {
+async function withPage({ home = proxy.url, ...options }, use) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 820 }, ...options });
     const page = await context.newPage();
     page.setDefaultTimeout(patience);
@@ -42,7 +43,7 @@ async function withPage(options, use) {
     page.on("console", (line) => line.type() === "error" && complaints.push(line.text()));
     page.on("request", (request) => {
         const { origin, protocol } = new URL(request.url());
-        if (protocol.startsWith("http") && origin !== proxy.url) complaints.push(`a request to ${request.url()}`);
+        if (protocol.startsWith("http") && origin !== home) complaints.push(`a request to ${request.url()}`);
     });
     try {
         await use(page);
@@ -78,6 +79,7 @@ async function picture(page, name) {
     if (process.env.SCREENSHOTS) await page.screenshot({ path: join(process.env.SCREENSHOTS, `${name}.png`) });
 }
 
+const idOf = (page) => /models\/([a-z2-7]{26})/.exec(page.url())[1];
 const expectedAt = (vertices) => decodeLog(log, draco, { vertices }).mesh;
 const hex = (word) => word.toString(16).padStart(8, "0");
 
@@ -139,7 +141,7 @@ test("Upload: it goes on where it was left, and becomes a model that refines bef
         const all = [...sentBefore, ...sent];
         assert.equal(new Set(all).size, 21, "cameras, images and masks have arrived");
         assert.equal(all.length, 21, "and none was sent again, but for the one whose connection broke");
-        id = /models\/([a-z2-7]{26})/.exec(page.url())[1];
+        id = idOf(page);
         await page.evaluate(() => {
             window.shown = new Set();
             setInterval(() => window.shown.add(document.querySelector("main.model")?.dataset.vertices), 50);
@@ -185,11 +187,110 @@ function framesOfSockets(page) {
     };
 }
 
+/** A zip of the capture. */
+function zippedCapture() {
+    const zip = join(scratch.path, "capture.zip");
+    execFileSync("python3", ["-m", "zipfile", "-c", zip, "images", "masks", "cameras.json"], { cwd: capture });
+    return zip;
+}
+
+test("Upload: a zip becomes a model, and its reconstruction can be cancelled", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        await page.goto(`${proxy.url}/?new`);
+        await page.locator("input[accept]").setInputFiles(zippedCapture());
+        await page.getByText("A zip, ").waitFor();
+        await page.getByLabel("Vertices of the finest mesh").fill("200000");
+        await page.getByText("Upload and reconstruct").click();
+        await page.waitForURL(/\/models\/[a-z2-7]{26}/);
+        await page.waitForFunction(() => document.querySelector(".stages .current"));
+        await page.getByRole("button", { name: "Cancel" }).click();
+        await page.getByText("This reconstruction was cancelled").waitFor();
+        await page.waitForFunction(() => document.querySelector(".title-line .chip").textContent === "Cancelled");
+        assert.equal(await page.getByRole("button", { name: "Cancel" }).count(), 0, "there is nothing left to cancel");
+        const model = await (await fetch(`${server.url}/v1/models/${idOf(page)}`)).json();
+        assert.equal(model.state, "cancelled");
+    }));
+
+test("Upload: a zip without cameras is refused before it is sent", () =>
+    withPage({}, async (page) => {
+        const zip = join(scratch.path, "no-cameras.zip");
+        execFileSync("python3", ["-m", "zipfile", "-c", zip, "images"], { cwd: capture });
+        await page.goto(`${proxy.url}/?new`);
+        await page.locator("input[accept]").setInputFiles(zip);
+        const faults = page.getByRole("alert").filter({ hasText: "not ready" });
+        await faults.waitFor();
+        assert.match(await faults.innerText(), /cameras\.json/);
+    }));
+
+test("Upload: a folder is dropped, and deleted while it is reconstructed: what was decoded stays", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        await page.goto(`${proxy.url}/?new`);
+        const { x, y, width, height } = await page.locator(".drop").boundingBox();
+        await dropFiles(page, { x: x + width / 2, y: y + height / 2 }, [capture]);
+        await page.getByText("10 photographs").waitFor();
+        await page.getByLabel("Vertices of the finest mesh").fill("200000");
+        await page.getByText("Upload and reconstruct").click();
+        await page.waitForURL(/\/models\/[a-z2-7]{26}/);
+        await page.waitForFunction(() => Number(document.querySelector("main.model")?.dataset.vertices) > 0);
+        assert.equal((await fetch(`${server.url}/v1/models/${idOf(page)}`, { method: "DELETE" })).status, 204);
+        await page.getByText("This model was deleted").waitFor();
+        assert.ok(Number(await data(page, "vertices")) > 0);
+        await page.locator("canvas").press("ArrowLeft");
+    }));
+
+test("Private server: a token is asked for, one that is wrong has its sentence, and with the right one all works", async () => {
+    const folder = join(scratch.path, "private");
+    const made = run("token", "tests", "--data", folder, "--scope", "write").trim();
+    const token = made.split(/\s+/).at(-1);
+    const closed = await startServer(folder, "--private");
+    try {
+        await withPage({ home: closed.url, expected: [/401/] }, async (page) => {
+            const addresses = [];
+            page.on("request", (request) => addresses.push(request.url()));
+            const dialog = page.getByRole("dialog");
+            const give = async (word) => {
+                await dialog.getByLabel("Token", { exact: true }).fill(word);
+                await dialog.getByRole("button", { name: "Continue" }).click();
+            };
+            await page.goto(closed.url);
+            await dialog.getByText("This server wants a token").waitFor();
+            await picture(page, "token");
+            await give("wrong");
+            await dialog.getByText("The server does not know this token").waitFor();
+            await give(token);
+            await page.getByRole("link", { name: "New model from" }).click();
+            await page.locator("input[webkitdirectory]").setInputFiles(capture);
+            await page.getByLabel("Vertices of the finest mesh").fill(String(nVertices));
+            await page.getByText("Upload and reconstruct").click();
+            await page.waitForFunction(() => document.querySelector("main.model")?.dataset.vertices, undefined, { polling: 50 });
+            await page.waitForFunction(() => document.querySelector(".title-line .chip")?.textContent === "Done");
+            await settled(page);
+            await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
+            const waiting = page.waitForEvent("download");
+            await page.locator(".downloads").getByText("Log").click();
+            const saved = new Uint8Array(readFileSync(await (await waiting).path()));
+            assert.equal(decodeLog(saved, draco).mesh.nVertices, Number(await data(page, "vertices")));
+            await page.goto(closed.url);
+            await page.locator("canvas.painted").waitFor();
+            assert.deepEqual(addresses.filter((address) => address.includes(token)), [], "the token is in no address");
+        });
+    } finally {
+        await closed.stop();
+    }
+});
+
 test("Gallery: the model is there with a picture of its first kilobytes", () =>
     withPage({}, async (page) => {
         await page.goto(proxy.url);
         const card = page.locator(`article[data-id="${id}"]`);
         await card.locator("canvas.painted").waitFor();
+        const colours = await card.locator("canvas").evaluate((canvas) => {
+            const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+            const seen = new Set();
+            for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 0) seen.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+            return [...seen].filter((rgb) => Math.abs((rgb >> 16) - (rgb & 255)) > 40).length;
+        });
+        assert.ok(colours > 100, `the picture has the model's colours, got ${colours} of them`);
         assert.match(await card.innerText(), new RegExp(`Done\\s+${most.toLocaleString("en")} vertices`));
         await page.waitForTimeout(500); // of its fading in
         await picture(page, "gallery");
@@ -254,26 +355,32 @@ test("Model page: through a photograph's camera the mesh covers what the photogr
             return { x: left, y: top, width, height };
         });
         const shot = await page.screenshot({ clip: share });
-        const overlap = await page.evaluate(overlapOf, [
-            shot.toString("base64"),
-            readFileSync(join(capture, "masks", readdirSync(join(capture, "masks")).sort()[2])).toString("base64"),
-        ]);
+        const mask = readFileSync(join(capture, "masks", readdirSync(join(capture, "masks")).sort()[2]));
+        const pictures = [shot.toString("base64"), mask.toString("base64")];
+        const overlap = await page.evaluate(overlapOf, [...pictures, 0, 0]);
         assert.ok(overlap > 0.93, `expected the silhouettes to agree, got an overlap of ${overlap}`);
+        for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+            const shifted = await page.evaluate(overlapOf, [...pictures, dx, dy]);
+            assert.ok(shifted < overlap, `expected less than ${overlap} a pixel aside, got ${shifted} at ${dx} ${dy}`);
+        }
         await page.locator("canvas").press("ArrowLeft");
         await page.locator("img.photograph").waitFor({ state: "hidden" });
     }));
 
-/** In the page: intersection over union of what is not magenta in one picture and what is white in the other. */
-async function overlapOf([shown, mask]) {
+/**
+ * In the page: intersection over union of what is not magenta in one picture and what is white in the other, which is
+ * shifted by some pixels.
+ */
+async function overlapOf([shown, mask, dx, dy]) {
     const [width, height] = [320, 240];
-    const pixels = async (base64) => {
+    const pixels = async (base64, x, y) => {
         const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
         const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
         const context = new OffscreenCanvas(width, height).getContext("2d");
-        context.drawImage(image, 0, 0, width, height);
+        context.drawImage(image, x, y, width, height);
         return context.getImageData(0, 0, width, height).data;
     };
-    const [a, b] = [await pixels(shown), await pixels(mask)];
+    const [a, b] = [await pixels(shown, 0, 0), await pixels(mask, dx, dy)];
     let [both, either] = [0, 0];
     for (let i = 0; i < a.length; i += 4) {
         const isMesh = !(a[i] > 200 && a[i + 1] < 60 && a[i + 2] > 200);
@@ -337,6 +444,49 @@ async function differenceOf(pictures) {
     for (let i = 0; i < a.length; ++i) sum += Math.abs(a[i] - b[i]);
     return sum / a.length;
 }
+
+test("Pages: strict policy, a name and a ring for everything that the keyboard reaches", () =>
+    withPage({}, async (page) => {
+        const policy = (await page.goto(`${proxy.url}/models/${id}`)).headers()["content-security-policy"];
+        assert.match(policy, /default-src 'none'/);
+        assert.doesNotMatch(policy, /unsafe-inline|'unsafe-eval'|https?:|\*/);
+        await settled(page);
+        await page.locator(".thumb").first().waitFor();
+        const reached = [];
+        for (let i = 0; i < 60; ++i) {
+            await page.keyboard.press("Tab");
+            const focused = await page.evaluate(() => {
+                const element = document.activeElement;
+                if (!element || element === document.body) return undefined;
+                const name = element.getAttribute("aria-label") ?? element.title ?? "";
+                return {
+                    tag: element.tagName,
+                    name: name || element.textContent.trim() || element.querySelector("img")?.alt || "",
+                    outline: getComputedStyle(element).outlineStyle,
+                };
+            });
+            if (!focused) break;
+            reached.push(focused);
+        }
+        const names = reached.map(({ name }) => name).join("|");
+        for (const part of ["New model", "The model. Arrow keys", "Normals", "Fit", "Look through", "Budget", "Rate-distortion", "PLY"]) {
+            assert.ok(names.includes(part), `expected to reach ${part} by keys, got ${names}`);
+        }
+        assert.deepEqual(reached.filter(({ name, outline }) => name === "" || outline === "none"), []);
+    }));
+
+test("Model page: with reduced motion a step is there at once", () =>
+    withPage({ reducedMotion: "reduce" }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?vertices=1`);
+        await settled(page);
+        await askFor(page, most);
+        await page.waitForFunction((n) => performance.getEntriesByName("drawn").at(-1).detail === n, most);
+        await page.waitForTimeout(100); // two frames
+        const shown = await page.locator(".stage canvas").boundingBox();
+        const [at, later] = [await page.screenshot({ clip: shown }), (await page.waitForTimeout(500), await page.screenshot({ clip: shown }))];
+        const difference = await page.evaluate(differenceOf, [at.toString("base64"), later.toString("base64")]);
+        assert.equal(difference, 0, "nothing moves any more");
+    }));
 
 test("Model page: on a phone and in the dark nothing is cut off", () =>
     withPage({ viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, async (page) => {

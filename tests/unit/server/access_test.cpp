@@ -50,6 +50,39 @@ TEST_CASE("Bearer: a private server tells nobody without a token more than that 
     CHECK(status_of({none, true, false}, "GET", "") == 401);
 }
 
+TEST_CASE("Bearer: the viewer's files are open on a private server, the list of models in their place is not") {
+    Tokens tokens({}, "abc");
+    for (const char* path : {"/", "/models/aaaa", "/assets/index.js"}) {
+        CHECK_MESSAGE(status_of({tokens, true, false, true}, "GET", "", path) == 200, path);
+        CHECK_MESSAGE(status_of({tokens, true, false, false}, "GET", "", path) == 401, path);
+        CHECK_MESSAGE(status_of({tokens, true, false, true}, "POST", "", path) == 401, path);
+    }
+    for (const char* path : {"/v1/models", "/v1/models/aaaa/log", "/metrics", "/openapi.json"})
+        CHECK_MESSAGE(status_of({tokens, true, false, true}, "GET", "", path) == 401, path);
+}
+
+TEST_CASE("Bearer: a WebSocket may offer its token as a protocol, nothing else may") {
+    Tokens tokens({}, "abc");
+    const AccessRules rules{tokens, true, false};
+    const auto status = [&](const std::string& path, const std::string& protocols) {
+        Request request{.path = path};
+        request.headers.add("Sec-WebSocket-Protocol", protocols);
+        try {
+            expect_authorized(request, rules);
+            return 200;
+        } catch (const HttpProblem& problem) {
+            return problem.status;
+        }
+    };
+    const std::string live = "/v1/models/aaaa/live";
+    CHECK(status(live, "anyrate.live, anyrate.bearer.abc") == 200);
+    CHECK(status(live, "anyrate.bearer.abc,anyrate.live") == 200);
+    for (const char* protocols :
+         {"", ",", "anyrate.live", "anyrate.bearer.", "anyrate.bearer.ab", "anyrate.bearer.abcd", "abc"})
+        CHECK_MESSAGE(status(live, protocols) == 401, protocols);
+    CHECK(status("/v1/models/aaaa/log", "anyrate.live, anyrate.bearer.abc") == 401);
+}
+
 TEST_CASE("Bearer: beyond loopback nobody writes once the last token is revoked") {
     Tokens none({}, "");
     CHECK(status_of({none, false, true}, "POST", "") == 401);

@@ -120,7 +120,8 @@ export class ColourState {
         this.colours[3 * vertex + 2] = b;
     }
 
-    private reserve(nVertices: number): void {
+    /** Makes room for so many vertices. */
+    reserve(nVertices: number): void {
         if (3 * nVertices <= this.colours.length) return;
         const larger = new Uint8Array(Math.max(3 * nVertices, 2 * this.colours.length));
         larger.set(this.colours);

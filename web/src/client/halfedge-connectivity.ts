@@ -205,7 +205,8 @@ export class HalfedgeConnectivity {
         return false;
     }
 
-    private resize(nVertices: number, nFaces: number): void {
+    /** Makes room for so many vertices and faces, so that growing to them copies nothing more. */
+    reserve(nVertices: number, nFaces: number): void {
         // All arrays grow before the first journalled write: the journal keeps the arrays.
         if (3 * nFaces > this.corners.length || nVertices > this.valences.length) this.journal.release();
         this.corners = withRoomFor(3 * nFaces, this.corners);
@@ -213,6 +214,10 @@ export class HalfedgeConnectivity {
         this.outgoing = withRoomFor(nVertices, this.outgoing);
         this.valences = withRoomFor(nVertices, this.valences);
         this.changedFaces.reserve(nFaces);
+    }
+
+    private resize(nVertices: number, nFaces: number): void {
+        this.reserve(nVertices, nFaces);
         this.nVertices = nVertices;
         this.nFaces = nFaces;
     }

@@ -43,17 +43,23 @@ export class LiveConnection {
     private readonly platform: Platform;
     private readonly follower: LiveFollower;
     private readonly options: LiveOptions;
+    private readonly protocols: string[];
     private socket: SocketLike | undefined;
     private closed = false;
     private ended = false;
     private skipWait: (() => void) | undefined;
 
-    /** @param url of the model's WebSocket, without a query */
-    constructor(url: string, platform: Platform, follower: LiveFollower, options: LiveOptions) {
+    /**
+     * @param url   of the model's WebSocket, without a query
+     * @param token as ModelOptions.token
+     */
+    constructor(url: string, platform: Platform, follower: LiveFollower, options: LiveOptions, token?: string) {
         this.url = url;
         this.platform = platform;
         this.follower = follower;
         this.options = options;
+        // A browser sends no Authorization with a WebSocket: proto/openapi.yaml, /live.
+        this.protocols = token === undefined ? [] : ["anyrate.live", `anyrate.bearer.${token}`];
     }
 
     /** Follows until the server has sent all, gives up, or is closed. Rejects if a follower's call throws. */
@@ -91,7 +97,7 @@ export class LiveConnection {
     /** One connection, to its end. @returns whether it brought anything */
     private followOnce(): Promise<boolean> {
         const { next } = this.follower.position();
-        const socket = new this.platform.WebSocket(`${this.url}?from=${next}`);
+        const socket = new this.platform.WebSocket(`${this.url}?from=${next}`, this.protocols);
         this.socket = socket;
         socket.binaryType = "arraybuffer";
         return new Promise((resolve, reject) => {

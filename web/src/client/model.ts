@@ -11,7 +11,7 @@ import type { IndexRow } from "./log-index.js";
 import { decodeSideIndex } from "./log-index.js";
 import { modelUrls } from "./model-urls.js";
 import type { ModelUrls } from "./model-urls.js";
-import { newAbortController, platformWith } from "./platform.js";
+import { fetchWith, newAbortController, platformWith } from "./platform.js";
 import type { AbortControllerLike, AbortSignalLike, Platform } from "./platform.js";
 import type { ProgressiveMesh } from "./progressive-mesh.js";
 import { serverError } from "./server-problem.js";
@@ -37,6 +37,13 @@ export interface ModelOptions {
     readonly draco?: DracoService;
     /** Goes on to this budget once the first request is answered; without it, openModel() stops there. */
     readonly budget?: Budget;
+    /**
+     * Bytes of the log that the budget is known to need, from elsewhere: openModel() asks for those behind the first
+     * request at once, without waiting for its answer. Too few only cost another request.
+     */
+    readonly bytesWanted?: number;
+    /** Bearer token, where the server wants one for reading. */
+    readonly token?: string;
     /** Disposes of the model. */
     readonly signal?: AbortSignalLike;
     /** What the engine lacks, or tests replace. */
@@ -101,7 +108,8 @@ export class Model {
         this.urls = urls;
         this.draco = draco;
         this.options = options;
-        this.platform = platformWith(options.platform ?? {});
+        const { token, platform = {} } = options;
+        this.platform = platformWith(token === undefined ? platform : { ...platform, fetch: fetchWith(token, platform) });
         this.decoder = this.newDecoder();
         this.download = new LogDownload(urls.log, this.platform.fetch, this.abort.signal, {
             bytes: (bytes) => this.take(bytes),
@@ -173,7 +181,7 @@ export class Model {
     async live(): Promise<void> {
         if (this.isSealed || this.connection || this.urls.live === undefined) return;
         const live = { ...defaultLiveOptions, ...this.options.live };
-        this.connection = new LiveConnection(this.urls.live, this.platform, this.liveFollower(), live);
+        this.connection = new LiveConnection(this.urls.live, this.platform, this.liveFollower(), live, this.options.token);
         try {
             await this.connection.run();
         } catch (error) {
@@ -220,7 +228,9 @@ export class Model {
 
     /** What openModel() does. */
     async readFirst(): Promise<void> {
-        await this.download.readTo(firstRequestBytes);
+        const first = this.download.readTo(firstRequestBytes);
+        this.download.askAhead(firstRequestBytes, this.options.bytesWanted ?? 0);
+        await first;
         await this.decoder.settled();
         const { scanner } = this.decoder;
         const { budget } = this.options;

@@ -36,7 +36,7 @@ export interface SocketLike {
     close(): void;
 }
 
-export type SocketConstructor = new (url: string) => SocketLike;
+export type SocketConstructor = new (url: string, protocols?: string[]) => SocketLike;
 
 export interface WorkerLike {
     onmessage: ((event: { readonly data: unknown }) => void) | null;
@@ -90,6 +90,12 @@ export function platformWith(replaced: Partial<Platform>): Platform {
         sleep: (milliseconds) => new Promise((resolve) => void engine.setTimeout(resolve, milliseconds)),
         ...replaced,
     };
+}
+
+/** The engine's fetch, or the one in its place, with a bearer token in every request. */
+export function fetchWith(token: string, replaced: Partial<Platform>): Fetch {
+    const { fetch } = platformWith(replaced);
+    return (url, { headers, signal }) => fetch(url, { headers: { ...headers, Authorization: `Bearer ${token}` }, signal });
 }
 
 export function newAbortController(): AbortControllerLike {

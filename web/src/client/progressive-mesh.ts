@@ -129,6 +129,12 @@ export class ProgressiveMesh {
         return this.mesh.parents.subarray(0, 2 * this.nVertices);
     }
 
+    /** Makes room for so many vertices, where it is known that they will come: growing then copies nothing. */
+    reserve(nVertices: number): void {
+        this.mesh.reserve(nVertices);
+        this.colourState.reserve(nVertices);
+    }
+
     /** Calls back with every vertex that shares an edge with this one. */
     forEachNeighbour(vertex: number, visit: (neighbour: number) => void): void {
         const { corners, twins, outgoing } = this.mesh.connectivity;

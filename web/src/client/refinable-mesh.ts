@@ -84,6 +84,13 @@ export class RefinableMesh {
         return this.hash.value;
     }
 
+    /** Makes room for so many vertices. */
+    reserve(nVertices: number): void {
+        this.resize(nVertices);
+        const nFaces = this.nFaces + 2 * Math.max(nVertices - this.nVertices, 0);
+        this.connectivity.reserve(nVertices, nFaces);
+    }
+
     /** Puts the sum of the cross products of a vertex's ring into `sum`, for whoever draws the mesh. */
     sumRingNormal(vertex: number, sum: Float64Array): void {
         const { positions } = this;

@@ -33,9 +33,13 @@ export interface SlicedDecoderEvents {
 
 /** Milliseconds of work before other tasks get their turn: with normals and uploads well below a frame of 16 ms. */
 const sliceMilliseconds = 4;
+/** Between two calls of onChange(): normals are computed once for what changes several times in between. */
+const publishMilliseconds = 30;
 /** Vertices replayed between two looks at the clock: well below a millisecond, also before the engine has warmed up. */
 const strideVertices = 24;
 const normalsPerLook = 1000;
+/** No log has more than this. */
+const mostVerticesPerByte = 8;
 /** Frames that Draco decodes ahead of the replay. */
 const framesAhead = 6;
 const mergedGap = 64;
@@ -44,7 +48,7 @@ const mergedGap = 64;
  * Decodes a log as bytes arrive, Draco in its service and the replay in slices, so that no task is long; up or down to
  * a vertex budget, and no payload before a budget needs it.
  *
- * Memory: at most 380 bytes a vertex of the finest mesh so far, and the bytes of the log that wait: 96 of mesh, normals
+ * Memory: at most 380 bytes a vertex of the finest mesh so far or that its budget will come to, and the bytes of the log that wait: 96 of mesh, normals
  * and marks in arrays of up to twice the size that they need, 79 in each kept state, which together have less than twice
  * its vertices, 25 of records to go back by.
  */
@@ -62,6 +66,10 @@ export class SlicedDecoder {
     /** Vertices after the last frame that was applied. */
     private nVerticesApplied = 0;
     private replayTime = 0;
+    /** When onChange() was called last. */
+    private published = -Infinity;
+    /** Whether something was collected since. */
+    private unpublished = false;
     private failure: { readonly error: unknown } | undefined;
     private scanFailure: { readonly error: unknown } | undefined;
     private work: Promise<void> | undefined;
@@ -120,6 +128,8 @@ export class SlicedDecoder {
     takeChanges(): ModelChanges {
         const mesh = this.meshRead;
         if (!mesh) return { vertices: [], faces: [], colours: [], normals: [] };
+        this.collect(mesh);
+        this.vertexNormals.updateNew(mesh);
         return {
             vertices: this.changed.vertices.take(mesh.nVertices, mergedGap),
             faces: this.changed.faces.take(mesh.nFaces, mergedGap),
@@ -161,7 +171,10 @@ export class SlicedDecoder {
             else if (this.wantsPart()) await this.takePart();
             else if (!this.replay(deadline)) break;
             if (this.platform.now() < deadline) continue;
-            await this.publish();
+            if (this.platform.now() - this.published >= publishMilliseconds) {
+                await this.platform.pause();
+                await this.publish();
+            }
             await this.platform.pause();
             deadline = this.newDeadline();
         }
@@ -196,10 +209,20 @@ export class SlicedDecoder {
             this.meshRead.setMaxVertices(0);
             this.nVerticesApplied = this.meshRead.nVertices;
         } else {
+            this.reserve(this.meshRead!);
             this.meshRead!.apply(frame, payload, decoder);
             this.nVerticesApplied = frame.nSplits === 0 ? this.nVerticesApplied : frame.nVerticesBefore + 3 * frame.nSplits;
         }
         this.replayTime += this.platform.now() - begin;
+    }
+
+    /** Makes room for what is to come, as far as the bytes that are there make it credible. */
+    private reserve(mesh: ProgressiveMesh): void {
+        const { index, wholeBytes } = this.scanner;
+        const expected = Math.min(this.maxVertices, index?.at(-1)?.nVertices ?? 0, mostVerticesPerByte * wholeBytes);
+        if (expected <= mesh.nVertices) return;
+        mesh.reserve(expected);
+        this.vertexNormals.reserve(expected);
     }
 
     /** Replays until the deadline, at least one stride. @returns whether there was anything to replay */
@@ -218,21 +241,30 @@ export class SlicedDecoder {
         return mesh.nVertices > nBefore;
     }
 
-    private async publish(): Promise<void> {
-        const mesh = this.meshRead;
-        if (!mesh) return;
+    /** Notes what the mesh says has changed. */
+    private collect(mesh: ProgressiveMesh): void {
         const changes = mesh.takeChanges(0);
         const { vertices, faces, colours } = this.changed;
         for (const range of changes.vertices) vertices.markRange(range);
         for (const range of changes.faces) faces.markRange(range);
         for (const range of changes.colours) colours.markRange(range);
-        if (changes.vertices.length + changes.faces.length + changes.colours.length === 0) return;
         this.vertexNormals.note(mesh, changes);
+        this.unpublished ||= changes.vertices.length + changes.faces.length + changes.colours.length > 0;
+    }
+
+    private async publish(): Promise<void> {
+        const mesh = this.meshRead;
+        if (!mesh) return;
+        this.collect(mesh);
+        if (!this.unpublished) return;
         for (let deadline = this.newDeadline(); !this.vertexNormals.update(mesh, normalsPerLook); ) {
             if (this.platform.now() < deadline) continue;
             await this.platform.pause();
             deadline = this.newDeadline();
         }
+        await this.platform.pause(); // who listens may take as long again
+        this.unpublished = false;
+        this.published = this.platform.now();
         if (!this.disposed) this.events.onChange();
     }
 }

@@ -15,10 +15,17 @@ export class VertexNormals {
     private readonly stale = new ChangeMarks();
     private readonly fresh = new ChangeMarks();
     private ranges: Range[] = [];
+    /** Vertices from the first that have a normal, if not always the latest. */
+    private nComputed = 0;
 
     /** Notes what changed in the mesh since the last note; what was noted before is up to date. */
     note(mesh: ProgressiveMesh, changes: MeshChanges): void {
         this.stale.reserve(mesh.nVertices);
+        const nChanged = changes.vertices.reduce((sum, { count }) => sum + count, 0);
+        if (2 * nChanged > mesh.nVertices) {
+            this.stale.markRange({ first: 0, count: mesh.nVertices }); // rings of so many hold nearly all
+            return;
+        }
         // The faces that have a moved vertex are found through its ring; a changed face has its corners.
         const { triangles } = mesh;
         for (const { first, count } of changes.faces) {
@@ -47,7 +54,18 @@ export class VertexNormals {
             if (now < count) this.ranges.push({ first: first + now, count: count - now });
             left -= now;
         }
-        return this.ranges.length === 0;
+        if (this.ranges.length > 0) return false;
+        this.nComputed = Math.max(this.nComputed, mesh.nVertices);
+        return true;
+    }
+
+    /** Computes the normals of vertices that never had one: what is drawn next cannot do without. */
+    updateNew(mesh: ProgressiveMesh): void {
+        const first = this.nComputed;
+        if (first >= mesh.nVertices) return;
+        this.reserve(mesh.nVertices);
+        this.compute(mesh, { first, count: mesh.nVertices - first });
+        this.nComputed = mesh.nVertices;
     }
 
     /** Vertices whose normal was computed since the last call. */
@@ -67,7 +85,8 @@ export class VertexNormals {
         this.fresh.markRange(range);
     }
 
-    private reserve(nVertices: number): void {
+    /** Makes room for so many vertices. */
+    reserve(nVertices: number): void {
         if (4 * nVertices <= this.values.length) return;
         const larger = new Int16Array(Math.max(4 * nVertices, 2 * this.values.length));
         larger.set(this.values);

@@ -1,5 +1,7 @@
 // What the viewer asks of the server, besides logs. The types are those of proto/openapi.yaml.
 import type { components } from "../client/index.js";
+import { readEvents } from "./event-stream.js";
+import { authorisation, wantsToken } from "./token.js";
 
 export type ModelInfo = components["schemas"]["Model"];
 export type Cameras = components["schemas"]["Cameras"];
@@ -21,7 +23,7 @@ export function modelUrl(id: string): string {
 }
 
 export async function listModels(after?: string): Promise<{ models: ModelInfo[]; next?: string }> {
-    const response = await fetch(after ?? "/v1/models?limit=60");
+    const response = await ask(after ?? "/v1/models?limit=60");
     const page = (await (await answer(response)).json()) as { models: ModelInfo[]; next?: string };
     page.models.forEach(remember);
     return page;
@@ -40,59 +42,51 @@ export function knownModel(id: string): ModelInfo | undefined {
 }
 
 export async function getModel(id: string): Promise<ModelInfo> {
-    return (await answer(await fetch(`/v1/models/${id}`))).json() as Promise<ModelInfo>;
+    return (await answer(await ask(`/v1/models/${id}`))).json() as Promise<ModelInfo>;
 }
 
 export async function deleteModel(id: string): Promise<void> {
-    await answer(await fetch(`/v1/models/${id}`, { method: "DELETE", headers: authorisation() }));
+    await answer(await ask(`/v1/models/${id}`, "DELETE"));
 }
 
 /** Ends a reconstruction that waits or runs. */
 export async function cancelModel(id: string): Promise<void> {
-    await answer(await fetch(`/v1/models/${id}/cancel`, { method: "POST", headers: authorisation() }));
+    await answer(await ask(`/v1/models/${id}/cancel`, "POST"));
 }
 
 /** The cameras of a model's photographs; undefined if the server has none. */
 export async function getCameras(id: string): Promise<Cameras | undefined> {
-    const response = await fetch(`/v1/models/${id}/cameras`);
+    const response = await ask(`/v1/models/${id}/cameras`);
     return response.ok ? ((await response.json()) as Cameras) : undefined;
 }
 
 /** Follows a model's state until it is final. @returns how to stop */
 export function watchModel(id: string, onState: (model: ModelInfo) => void, onDeleted: () => void): () => void {
-    const events = new EventSource(`/v1/models/${id}/events`);
-    events.addEventListener("state", ({ data }) => {
-        const model = JSON.parse(data as string) as ModelInfo;
-        if (isFinal(model)) events.close();
+    const stop = new AbortController();
+    const take = (name: string, data: string): boolean => {
+        if (name === "deleted") onDeleted();
+        if (name !== "state") return name !== "deleted";
+        const model = JSON.parse(data) as ModelInfo;
         remember(model);
         onState(model);
-    });
-    events.addEventListener("deleted", () => {
-        events.close();
-        onDeleted();
-    });
-    return () => events.close();
+        return !isFinal(model);
+    };
+    void readEvents(`/v1/models/${id}/events`, stop.signal, take, onDeleted);
+    return () => stop.abort();
 }
 
 export function isFinal({ state }: ModelInfo): boolean {
     return state === "done" || state === "failed" || state === "cancelled";
 }
 
-const tokenKey = "anyrate-token";
-
-/** Of writers, if the server wants one; asked for once it does. */
-export function setToken(token: string): void {
-    sessionStorage.setItem(tokenKey, token);
-}
-
-export function authorisation(): Record<string, string> {
-    const token = sessionStorage.getItem(tokenKey);
-    return token ? { Authorization: `Bearer ${token}` } : {};
+function ask(url: string, method = "GET"): Promise<Response> {
+    return fetch(url, { method, headers: authorisation() });
 }
 
 /** @throws RequestError with the server's own sentence */
 async function answer(response: Response): Promise<Response> {
     if (response.ok) return response;
+    wantsToken(response.status);
     throw new RequestError(response.status, sentenceOf(await response.text(), response.status));
 }
 

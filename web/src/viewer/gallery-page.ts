@@ -1,4 +1,4 @@
-import { deleteModel, isFinal, listModels, watchModel } from "./api.js";
+import { deleteModel, isFinal, listModels, RequestError, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
 import { h, icon, icons } from "./dom.js";
 import { bytes, count, dateOrTime, shortId } from "./format.js";
@@ -42,8 +42,9 @@ class Gallery {
             this.note.hidden = true;
         } catch (error) {
             this.note.hidden = false;
+            const isClosed = error instanceof RequestError && error.status === 401;
             this.note.replaceChildren(
-                `The models cannot be shown: ${(error as Error).message} `,
+                isClosed ? "The models are shown to those who have a token. " : `The models cannot be shown: ${sentenceOfError(error)} `,
                 h("button", { class: "button quiet", onclick: () => void this.load() }, "Try again"),
             );
         }
@@ -65,7 +66,7 @@ class Gallery {
         const card = h(
             "article",
             { class: "card", "data-id": model.id },
-            h("a", { class: "card-link", href: `/models/${model.id}`, "aria-label": `Model ${shortId(model.id)}` }, canvas),
+            h("a", { class: "card-link", href: `/models/${model.id}`, "aria-label": `Model ${shortId(model.id)}` }, h("span", { class: "card-picture" }, icon(icons.photograph), canvas)),
             h("div", { class: "card-line" }, h("span", { class: "card-name" }, shortId(model.id)), state, remove),
             h("div", { class: "card-line muted" }, numbers, h("time", { datetime: model.created }, dateOrTime(model.created))),
             bar,
@@ -74,9 +75,9 @@ class Gallery {
         remove.addEventListener("click", () => void this.remove(model, card));
         let painted = "";
         const show = (now: ModelInfo) => {
-            state.textContent = stateSentence(now);
+            state.textContent = now.state === "queued" ? "Waiting" : stateSentence(now);
             state.className = `chip ${now.state}`;
-            numbers.textContent = now.vertices > 0 ? `${count(now.vertices)} vertices · ${bytes(now.bytes)}` : "no mesh yet";
+            numbers.replaceChildren(...(now.vertices > 0 ? [h("span", {}, `${count(now.vertices)} vertices`), h("span", {}, bytes(now.bytes))] : ["no mesh yet"]));
             bar.hidden = isFinal(now);
             fill.style.width = `${100 * now.fraction}%`;
             sentence.textContent = now.error ?? "";
@@ -98,9 +99,13 @@ class Gallery {
             card.remove();
         } catch (error) {
             this.note.hidden = false;
-            this.note.textContent = (error as Error).message;
+            this.note.textContent = sentenceOfError(error);
         }
     }
+}
+
+function sentenceOfError(error: unknown): string {
+    return error instanceof TypeError ? "the server cannot be reached." : (error as Error).message;
 }
 
 function newCard(): HTMLElement {

@@ -1,4 +1,3 @@
-import "@fontsource-variable/inter/index.css";
 import "./style.css";
 
 import { h, icon, icons } from "./dom.js";
@@ -7,6 +6,8 @@ import { galleryPage } from "./gallery-page.js";
 import { modelPage } from "./model-page.js";
 import { followLinks } from "./page.js";
 import type { Page } from "./page.js";
+import { TokenDialog } from "./token-dialog.js";
+import { onTokenWanted } from "./token.js";
 import { uploadPage } from "./upload-page.js";
 
 const root = document.getElementById("app")!;
@@ -25,6 +26,10 @@ function show(): void {
     const path = url.pathname + (url.searchParams.has("new") ? "?new" : "");
     if (path === currentPath && current) return; // the page itself has changed what its address says
     currentPath = path;
+    open(url);
+}
+
+function open(url: URL): void {
     current?.dispose();
     current = pageAt(url);
     document.title = `${current.title} – Anyrate`;
@@ -59,6 +64,10 @@ function switchTheme(): void {
 
 const chosen = localStorage.getItem(themeKey);
 if (chosen) document.documentElement.dataset["theme"] = chosen;
+const tokenDialog = new TokenDialog(() => {
+    if (!current?.keepsForToken) open(new URL(location.href));
+});
+onTokenWanted((sentence) => tokenDialog.ask(sentence));
 followLinks();
 draco(); // starts while the visitor looks around
 addEventListener("popstate", show);

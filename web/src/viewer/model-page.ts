@@ -1,4 +1,4 @@
-import { DecodeError, followModel, openModel, ServerError } from "../client/index.js";
+import { DecodeError, followModel, openModel, prefixFor, ServerError } from "../client/index.js";
 import type { Budget, Model, ModelEvent } from "../client/index.js";
 import { cancelModel, getCameras, getModel, isFinal, knownModel, modelUrl, RequestError, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
@@ -8,13 +8,16 @@ import { h, icon, icons } from "./dom.js";
 import { draco } from "./draco.js";
 import { bytes, count, duration, hex32, milliseconds, shortId, significant } from "./format.js";
 import { ModelView } from "./model-view.js";
+import { goTo } from "./page.js";
 import type { Page } from "./page.js";
 import { PhotoStrip } from "./photo-strip.js";
 import { RatePlot } from "./rate-plot.js";
 import { formatShared, parseShared } from "./share-link.js";
 import type { SharedState } from "./share-link.js";
+import { saveWithToken } from "./server-file.js";
 import type { Shading } from "./shading.js";
 import { StageList, stateSentence } from "./stage-list.js";
+import { tokenOption, wantsToken } from "./token.js";
 
 export function modelPage(id: string, search: string): Page {
     const page = new ModelPage(id, parseShared(search));
@@ -49,13 +52,18 @@ class ModelPage {
     private readonly downloads = h("div", { class: "downloads" });
     private readonly chip = h("span", { class: "chip" });
     private readonly headline = h("p", { class: "headline" });
+    /** In place of everything about a mesh while there is none. */
+    private readonly waiting = h("p", { class: "waiting" });
     private readonly foot = h("div", { class: "foot" });
+    private readonly toolbar: HTMLElement;
     private readonly shareButton = h("button", { class: "button quiet", onclick: () => void this.share() }, icon(icons.link), "Copy link");
 
     private view: ModelView | undefined;
     private model: Model | undefined;
     private photos: PhotoStrip | undefined;
     private budget: Budget | undefined;
+    /** Milliseconds that Draco had taken for other models. */
+    private readonly dracoBefore = draco().milliseconds;
     private shading: Shading;
     private edges: boolean;
     private info: ModelInfo | undefined;
@@ -71,8 +79,9 @@ class ModelPage {
         this.edges = shared.edges ?? false;
         const cancel = h("button", { class: "button quiet", onclick: () => void this.cancel() }, "Cancel");
         this.stageLine.append(this.stages.element, h("div", { class: "stage-foot" }, this.stageText, cancel));
-        this.stage.append(this.notice, this.stageLine, this.toolbar(), this.foot);
-        this.element = h("main", { class: "model" }, this.stage, this.side());
+        this.toolbar = this.newToolbar();
+        this.stage.append(this.notice, this.stageLine, this.toolbar, this.foot);
+        this.element = h("main", { class: "model empty" }, this.stage, this.side());
         this.budgetPanel.onBudget = (budget) => this.ask(budget);
         this.plot.onChoose = (vertices) => {
             const budget = { vertices };
@@ -92,8 +101,8 @@ class ModelPage {
         const opened = this.openModel();
         await new Promise((resolve) => setTimeout(resolve)); // so that the request leaves before the view is made
         this.openView();
-        void this.openPhotographs();
-        await opened;
+        await Promise.all([this.openPhotographs(), opened]);
+        this.photos?.showPictures();
     }
 
     private openView(): void {
@@ -106,11 +115,19 @@ class ModelPage {
         }
         this.view.setShading(this.shading);
         this.view.setEdges(this.edges);
+        this.leaveRoom();
         this.view.onMoved = () => this.remember();
         this.view.onLeftPhotograph = () => this.leavePhotograph();
         if (this.shared.pose) this.view.setPose(this.shared.pose);
         if (this.model) this.view.setModel(this.model);
         this.begin();
+    }
+
+    /** Keeps the model clear of what lies over its stage: a card of stages that is as wide as a phone, too. */
+    private leaveRoom(): void {
+        const card = this.stageLine;
+        const upper = !card.hidden && card.offsetWidth > 0.6 * this.stage.offsetWidth ? card : this.toolbar;
+        this.view?.setCovered(upper.offsetTop + upper.offsetHeight, this.foot.offsetHeight);
     }
 
     dispose(): void {
@@ -127,12 +144,18 @@ class ModelPage {
 
     private async openModel(): Promise<void> {
         const info = this.info!;
-        const options = { draco: draco(), signal: this.stop.signal as never, onEvent: (event: ModelEvent) => this.take(event), onModel: (model: Model) => this.attach(model) };
+        const options = {
+            ...tokenOption(),
+            draco: draco(),
+            signal: this.stop.signal as never,
+            onEvent: (event: ModelEvent) => this.take(event),
+            onModel: (model: Model) => this.attach(model),
+        };
         try {
             if (isFinal(info)) {
                 if (info.bytes === 0) return;
-                const budget = this.budget ?? everything;
-                await openModel(modelUrl(this.id), { ...options, budget });
+                const wanted = this.budget ? { budget: this.budget } : { budget: everything, bytesWanted: info.bytes };
+                await openModel(modelUrl(this.id), { ...options, ...wanted });
                 this.refreshRows();
                 this.settled();
             } else {
@@ -236,9 +259,12 @@ class ModelPage {
         this.info = info;
         this.chip.textContent = stateSentence(info);
         this.chip.className = `chip ${info.state}`;
+        const wasHidden = this.stageLine.hidden;
         this.stageLine.hidden = isFinal(info);
+        if (wasHidden !== this.stageLine.hidden) this.leaveRoom();
         this.stages.update(info);
         this.stageText.textContent = stageSentence(info);
+        this.waiting.textContent = waitingSentence(info);
         if (info.state === "failed") this.say(failedSentence(info.error));
         if (info.state === "cancelled") this.say("This reconstruction was cancelled.");
         this.showDownloads();
@@ -266,15 +292,25 @@ class ModelPage {
         set("faces", count(mesh.nFaces));
         set("received", bytes(model.nBytes));
         set("frames", count(model.nFrames));
-        set("decode", milliseconds(draco().milliseconds));
+        set("decode", milliseconds(draco().milliseconds - this.dracoBefore));
         set("replay", milliseconds(model.replayMilliseconds));
         set("hash", hex32(mesh.stateHash));
-        this.headline.replaceChildren(h("strong", {}, count(mesh.nVertices)), " vertices");
-        this.plot.setCurrent(mesh.nVertices);
+        this.showHeadline(model, mesh.nVertices);
         this.element.dataset["vertices"] = String(mesh.nVertices);
         this.element.dataset["hash"] = hex32(mesh.stateHash);
         this.element.dataset["bytes"] = String(model.nBytes);
         this.element.dataset["requests"] = String(model.nRequests);
+    }
+
+    /** What is shown, and what it costs: the prefix that ends with the packet in which these vertices are. */
+    private showHeadline(model: Model, nVertices: number): void {
+        const { nBytes } = prefixFor({ vertices: nVertices }, model.rows, model.framesBegin);
+        const said = `${nVertices} ${nBytes}`;
+        if (this.headline.dataset["said"] === said) return;
+        this.headline.dataset["said"] = said;
+        this.headline.replaceChildren(h("strong", {}, count(nVertices)), ` vertices for ${bytes(nBytes)}`);
+        this.plot.setCurrent(nVertices);
+        this.element.classList.remove("empty");
     }
 
     private showDownloads(): void {
@@ -284,7 +320,9 @@ class ModelPage {
             const query = vertices === undefined ? "" : `?vertices=${vertices}`;
             const suffix = path === "log" ? "arl" : path.slice(5);
             const name = `anyrate-${shortId(this.id)}-${vertices ?? "all"}.${suffix}`;
-            return h("a", { class: "button", href: `/v1/models/${this.id}/${path}${query}`, download: name }, label);
+            const link = h("a", { class: "button", href: `/v1/models/${this.id}/${path}${query}`, download: name }, label);
+            saveWithToken(link);
+            return link;
         });
         this.downloads.replaceChildren(...(this.info && this.info.bytes > 0 ? links : []));
     }
@@ -301,7 +339,9 @@ class ModelPage {
         if (error instanceof DecodeError) {
             this.say(`The stream is damaged: ${error.message}. What was decoded before stays.`);
         } else if (error instanceof RequestError || error instanceof ServerError) {
-            this.say(error.status === 404 && !this.info ? "There is no such model. It may have been deleted." : error.message);
+            if (error instanceof ServerError) wantsToken(error.status);
+            if (error.status === 404 && !this.info) this.say("There is no such model. It may have been deleted.", "All models", () => goTo("/"));
+            else this.say(error.message);
         } else if (error instanceof TypeError) {
             this.say("The connection is lost. What has arrived stays.", again && "Try again", again, "connection");
         } else {
@@ -323,7 +363,8 @@ class ModelPage {
         this.photos.onLeave = () => this.view?.leavePhotograph();
         this.stage.prepend(this.photos.picture);
         this.foot.append(this.photos.blendControl, this.photos.strip);
-        if (this.shared.photograph !== undefined) await this.photos.enter(this.shared.photograph);
+        this.leaveRoom();
+        if (this.shared.photograph !== undefined) void this.photos.enter(this.shared.photograph);
     }
 
     private leavePhotograph(): void {
@@ -361,7 +402,7 @@ class ModelPage {
 
     // --- the furniture
 
-    private toolbar(): HTMLElement {
+    private newToolbar(): HTMLElement {
         const buttons = shadingNames.map(([shading, label]) =>
             h("button", { class: "segment", "aria-pressed": String(shading === this.shading), onclick: () => choose(shading) }, label),
         );
@@ -396,12 +437,14 @@ class ModelPage {
         this.plotPanel.append(
             h("div", { class: "panel-head" }, h("h2", {}, "Distortion Ψ by"), h("div", { class: "segments small" }, ...axes)),
             this.plot.element,
+            h("p", { class: "hint" }, "How far the photographs disagree where they see the same surface; lower is better. Click to go there."),
         );
         return h(
             "aside",
             { class: "side" },
             h("div", { class: "title-line" }, h("h1", {}, shortId(this.id)), this.chip, this.shareButton),
             this.headline,
+            this.waiting,
             this.budgetPanel.element,
             this.plotPanel,
             this.statisticsPanel(),
@@ -414,10 +457,10 @@ class ModelPage {
             ["vertices", "Vertices"],
             ["faces", "Faces"],
             ["received", "Received"],
-            ["frames", "Frames"],
-            ["decode", "Draco"],
+            ["frames", "Log frames"],
+            ["decode", "Decoding"],
             ["replay", "Replay"],
-            ["fps", "Frames / s"],
+            ["fps", "Drawn / s"],
             ["hash", "State hash"],
         ] as const;
         const items = names.map(([name, text]) => {
@@ -429,6 +472,12 @@ class ModelPage {
 }
 
 const deletedSentence = "This model was deleted. What was decoded stays until you leave the page.";
+
+function waitingSentence({ state, bytes: nBytes }: ModelInfo): string {
+    if (state === "queued") return "Other models come first. The page follows by itself: leave it open, or come back.";
+    if (state === "running") return "A first shape appears a second or two after the photographs have been read, and refines from there.";
+    return nBytes > 0 ? "The first kilobytes are on their way." : "This model has no mesh.";
+}
 
 function failedSentence(error: string | undefined): string {
     return `The reconstruction failed${error ? `: ${error}` : "."}`;

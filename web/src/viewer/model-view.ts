@@ -1,6 +1,4 @@
 import {
-    BufferAttribute,
-    BufferGeometry,
     Camera,
     Group,
     LineSegments,
@@ -15,7 +13,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import type { Model, ProgressiveMesh } from "../client/index.js";
 import { cameraCentre, projectionMatrix, viewMatrix } from "./camera-view.js";
-import type { PinholeCamera, Size } from "./camera-view.js";
+import type { PinholeCamera, Rectangle, Size } from "./camera-view.js";
 import { acquireDrawing, releaseDrawing } from "./drawing.js";
 import type { Drawing } from "./drawing.js";
 import { MorphGeometry } from "./morph-geometry.js";
@@ -33,8 +31,8 @@ export type Pose = readonly [number, number, number, number, number, number];
 
 const fieldOfView = 32; // degrees
 const morphMilliseconds = 420;
-/** A new morph begins no earlier after the last one, so that a stream of small changes moves as one. */
-const leastMorphMilliseconds = 120;
+/** Changes that wait for the last ones to be drawn: where drawing is slow, one upload for all; more would be a long task. */
+const mostPending = 4;
 
 /** Draws one model: its surface, as it refines, from any side or through a photograph's camera. */
 export class ModelView {
@@ -51,7 +49,6 @@ export class ModelView {
     private readonly camera = new PerspectiveCamera(fieldOfView, 1, 0.1, 100);
     private readonly throughPhotograph = new Camera();
     private readonly morphing = new MorphGeometry();
-    private readonly edgeGeometry = new BufferGeometry();
     private readonly edges: LineSegments;
     private controls: OrbitControls;
     private readonly resize: ResizeObserver;
@@ -60,17 +57,18 @@ export class ModelView {
     private model: Model | undefined;
     private mesh: ProgressiveMesh | undefined;
     private photograph: PhotographView | undefined;
+    private covered = { top: 0, bottom: 0 };
     private centre = new Vector3();
     private radius = 1;
     private firstEye: Vector3 | undefined;
     private poseWanted: Pose | undefined;
     private hasPose = false;
-    private pending = false;
     private morphBegan = -Infinity;
     private dirty = true;
-    private showsEdges = false;
-    private edgesStale = true;
+    /** Changes that were told and not taken. */
+    private nPending = 0;
     private heatStale = false;
+    private showsHeat = false;
     private verticesDrawn = 0;
     private frame = 0;
     private nTicks = 0;
@@ -85,7 +83,7 @@ export class ModelView {
         this.canvas.setAttribute("role", "img");
         this.canvas.setAttribute("aria-label", "The model. Arrow keys turn it, + and − zoom, F fits it.");
         container.prepend(this.canvas);
-        this.edges = new LineSegments(this.edgeGeometry, this.materials.edges);
+        this.edges = new LineSegments(this.morphing.edgeGeometry, this.materials.edges);
         const surface = new Mesh(this.morphing.geometry, this.materials.surface);
         for (const object of [surface, this.edges]) object.frustumCulled = false;
         this.edges.visible = false;
@@ -114,6 +112,7 @@ export class ModelView {
     begin(mesh: ProgressiveMesh): void {
         this.mesh = mesh;
         this.morphing.clear();
+        this.nPending = 0;
         const { origin, unit } = mesh.grid;
         this.placed.position.set(...origin);
         this.placed.scale.setScalar(unit);
@@ -122,9 +121,10 @@ export class ModelView {
         this.morphBegan = -Infinity;
     }
 
-    /** The model has changed: the next frames show it. */
+    /** The model has changed: the next frames go there. */
     take(): void {
-        this.pending = true;
+        ++this.nPending;
+        if (!this.dirty || this.nPending >= mostPending) this.upload(performance.now());
     }
 
     /** The next heat map is measured from the mesh as it is now. */
@@ -137,14 +137,15 @@ export class ModelView {
     }
 
     setShading(shading: Shading): void {
+        this.showsHeat = shading === "heat";
         this.materials.setShading(shading);
         this.dirty = true;
     }
 
     setEdges(shown: boolean): void {
-        this.showsEdges = shown;
         this.edges.visible = shown;
-        this.edgesStale = this.dirty = true;
+        this.morphing.showEdges(shown);
+        this.dirty = true;
     }
 
     /** @param up unit vector @param eye where to look from first, world units; undefined for a view from above */
@@ -157,6 +158,14 @@ export class ModelView {
         this.controls.target.copy(target);
         if (eye) this.firstEye = new Vector3(...eye);
         if (!this.hasPose && this.mesh) this.applyPose();
+    }
+
+    /** Leaves room for what lies over the upper and lower ends of the canvas, CSS pixels. */
+    setCovered(top: number, bottom: number): void {
+        if (top === this.covered.top && bottom === this.covered.bottom) return;
+        this.covered = { top, bottom };
+        this.offsetCamera();
+        if (!this.hasPose && this.mesh) this.fitQuietly();
     }
 
     get pose(): Pose {
@@ -200,16 +209,22 @@ export class ModelView {
         this.onLeftPhotograph();
     }
 
-    get isThroughPhotograph(): boolean {
-        return this.photograph !== undefined;
-    }
-
-    /** Draws what there is at once, without a morph: for a picture. */
-    drawNow(): void {
-        if (!this.mesh) return;
-        this.upload(-Infinity, 1);
+    /**
+     * Draws what there is at once, without a morph, into the lower left corner of the canvas: for a picture.
+     * @param size CSS pixels
+     * @returns where it is in the canvas, its own pixels
+     */
+    drawPicture({ width, height }: Size): Rectangle {
+        const whole = this.renderer.getSize(new Vector2());
+        this.camera.aspect = width / height;
+        this.fitQuietly();
+        this.upload(-Infinity);
         this.materials.setMorph(1);
+        this.renderer.setViewport(0, 0, width, height);
         this.renderer.render(this.scene, this.orbitCamera());
+        this.renderer.setViewport(0, 0, whole.x, whole.y);
+        const ratio = this.renderer.getPixelRatio();
+        return { left: 0, top: this.canvas.height - ratio * height, width: ratio * width, height: ratio * height };
     }
 
     dispose(): void {
@@ -217,7 +232,6 @@ export class ModelView {
         this.resize.disconnect();
         this.controls.dispose();
         this.morphing.dispose();
-        this.edgeGeometry.dispose();
         this.canvas.removeEventListener("keydown", this.onKey);
         releaseDrawing(this.drawing);
     }
@@ -237,18 +251,16 @@ export class ModelView {
         this.frame = requestAnimationFrame(this.tick);
         this.count(now);
         this.controls.update();
-        const morphed = (now - this.morphBegan) / this.morphDuration();
-        if (this.pending && now - this.morphBegan >= Math.min(leastMorphMilliseconds, this.morphDuration())) {
-            this.upload(now, morphed);
-        } else if (this.heatStale && !this.pending && this.mesh) {
+        if (this.nPending > 0) {
+            this.upload(now);
+        } else if (this.heatStale && this.showsHeat && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
         if (now - this.morphBegan < this.morphDuration() + 50) this.dirty = true;
         if (!this.dirty || !this.mesh) return;
         this.dirty = false;
-        this.materials.setMorph(ease(Math.min((now - this.morphBegan) / this.morphDuration(), 1)));
-        if (this.showsEdges && this.edgesStale) this.copyEdges();
+        this.materials.setMorph(ease(clamped((now - this.morphBegan) / this.morphDuration())));
         this.renderer.render(this.scene, this.photograph ? this.photographCamera(this.photograph) : this.orbitCamera());
         this.markDrawn(this.morphing.vertexCount);
     };
@@ -260,12 +272,15 @@ export class ModelView {
         performance.mark("drawn", { detail: vertices });
     }
 
-    private upload(now: number, morphed: number): void {
+    /** Takes what has changed, and begins a morph from where the last one has come to. */
+    private upload(now: number): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
-        this.pending = false;
-        this.morphing.update(this.model, this.model.takeChanges(), ease(Math.min(morphed, 1)));
-        this.morphBegan = now;
-        this.edgesStale = this.dirty = true;
+        this.nPending = 0;
+        const morphed = (now - this.morphBegan) / this.morphDuration();
+        const isFirst = this.morphing.vertexCount === 0; // it has nothing to come from
+        this.morphing.update(this.model, this.model.takeChanges(), ease(clamped(morphed)));
+        this.morphBegan = isFirst ? -Infinity : now;
+        this.dirty = true;
     }
 
     private morphDuration(): number {
@@ -278,15 +293,6 @@ export class ModelView {
         this.rate = (1000 * this.nTicks) / (now - this.ticksSince);
         this.nTicks = 0;
         this.ticksSince = now;
-    }
-
-    private copyEdges(): void {
-        this.edgesStale = false;
-        const { geometry } = this.morphing;
-        for (const name of ["position", "positionFrom", "tint", "normal"]) {
-            this.edgeGeometry.setAttribute(name, geometry.getAttribute(name));
-        }
-        this.edgeGeometry.setIndex(new BufferAttribute(this.morphing.edges(this.mesh!), 1));
     }
 
     /** Bounds of the mesh, world units. */
@@ -305,9 +311,10 @@ export class ModelView {
     }
 
     private fitDistance(): number {
-        const half = (fieldOfView / 2) * (Math.PI / 180);
-        const horizontal = Math.atan(Math.tan(half) * this.camera.aspect);
-        return (0.92 * this.radius) / Math.sin(Math.min(half, horizontal));
+        const { top, bottom } = this.covered;
+        const tangent = Math.tan((fieldOfView / 2) * (Math.PI / 180));
+        const vertical = tangent * Math.max(1 - (top + bottom) / this.canvas.clientHeight, 0.3);
+        return (0.92 * this.radius) / Math.sin(Math.atan(Math.min(vertical, tangent * this.camera.aspect)));
     }
 
     private applyPose(): void {
@@ -355,8 +362,18 @@ export class ModelView {
         if (had.x !== width || had.y !== height) this.renderer.setSize(width, height); // makes new buffers
         const hadAspect = this.camera.aspect;
         this.camera.aspect = width / height;
+        this.offsetCamera();
         this.camera.updateProjectionMatrix();
         if (!this.hasPose && this.mesh && hadAspect !== this.camera.aspect) this.fitQuietly();
+        this.dirty = true;
+    }
+
+    /** The middle of the view is the middle of what is not covered. */
+    private offsetCamera(): void {
+        const { clientWidth, clientHeight } = this.canvas;
+        const down = (this.covered.top - this.covered.bottom) / 2;
+        if (down === 0) this.camera.clearViewOffset();
+        else this.camera.setViewOffset(clientWidth, clientHeight, 0, -down, clientWidth, clientHeight);
         this.dirty = true;
     }
 
@@ -406,6 +423,11 @@ export class ModelView {
         this.dirty = true;
         this.onMoved();
     }
+}
+
+/** To 0 .. 1: a frame's time may be a little before the change that it shows. */
+function clamped(t: number): number {
+    return Math.min(Math.max(t, 0), 1);
 }
 
 /** Quick at first, soft at the end. */

@@ -3,6 +3,8 @@
 export interface Page {
     readonly element: HTMLElement;
     readonly title: string;
+    /** Goes on by itself, or by its visitor, once there is another token; else it is made anew. */
+    readonly keepsForToken?: boolean;
     dispose(): void;
 }
 

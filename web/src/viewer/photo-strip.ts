@@ -3,6 +3,7 @@ import { fittedRectangle } from "./camera-view.js";
 import type { Size } from "./camera-view.js";
 import { h, icon, icons } from "./dom.js";
 import type { PhotographView } from "./model-view.js";
+import { showPicture } from "./server-file.js";
 
 /** The input photographs as a strip, and the one that is looked through, behind the mesh or blended over it. */
 export class PhotoStrip {
@@ -19,6 +20,7 @@ export class PhotoStrip {
     private readonly blend: HTMLInputElement;
     private readonly stage: HTMLElement;
     private readonly resize: ResizeObserver;
+    private readonly inView: IntersectionObserver;
     private current: number | undefined;
     private image: Size | undefined;
 
@@ -38,6 +40,12 @@ export class PhotoStrip {
         );
         this.resize = new ResizeObserver(() => this.place());
         this.resize.observe(stage);
+        this.inView = new IntersectionObserver((entries) => this.load(entries), { root: this.strip, rootMargin: "0px 200px" });
+    }
+
+    /** Loads the small pictures as they come into view, from now on: they are to wait for the model itself. */
+    showPictures(): void {
+        for (const button of this.buttons) this.inView.observe(button);
     }
 
     get selected(): number | undefined {
@@ -49,8 +57,7 @@ export class PhotoStrip {
         const camera = this.cameras.cameras[index];
         if (!camera) return;
         this.select(index);
-        this.picture.src = camera.photograph;
-        await this.picture.decode().catch(() => {}); // the page then has its view without its picture
+        await showPicture(this.picture, camera.photograph).catch(() => {}); // the page then has its view without its picture
         if (this.current !== index) return;
         const natural = { width: this.picture.naturalWidth, height: this.picture.naturalHeight };
         this.image = { width: camera.width ?? natural.width, height: camera.height ?? natural.height };
@@ -71,6 +78,16 @@ export class PhotoStrip {
 
     dispose(): void {
         this.resize.disconnect();
+        this.inView.disconnect();
+    }
+
+    private load(entries: readonly IntersectionObserverEntry[]): void {
+        for (const { isIntersecting, target } of entries) {
+            if (!isIntersecting) continue;
+            this.inView.unobserve(target);
+            const camera = this.cameras.cameras[this.buttons.indexOf(target as HTMLButtonElement)];
+            void showPicture(target.querySelector("img")!, camera.photograph).catch(() => target.classList.add("missing"));
+        }
     }
 
     private select(index: number | undefined): void {
@@ -83,6 +100,7 @@ export class PhotoStrip {
         const share = Number(this.blend.value) / 100;
         this.picture.classList.toggle("behind", share === 0);
         this.picture.style.opacity = String(share === 0 ? 1 : share);
+        this.blend.style.setProperty("--share", `${this.blend.value}%`);
     }
 
     private place(): void {
@@ -103,7 +121,7 @@ export class PhotoStrip {
                 title: `Look through ${name}`,
                 onclick: () => void (this.current === index ? this.onLeave() : this.enter(index)),
             },
-            h("img", { src: camera.photograph, alt: name, loading: "lazy", decoding: "async", width: 88, height: 66 }),
+            h("img", { alt: name, decoding: "async", width: 72, height: 54 }),
         );
     }
 }

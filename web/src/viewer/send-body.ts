@@ -1,4 +1,4 @@
-import { authorisation } from "./api.js";
+import { authorisation } from "./token.js";
 
 /**
  * Sends a request and says how far it has come; with fetch, a page is not told that.

@@ -1,18 +1,22 @@
 import { openModel } from "../client/index.js";
 import { getCameras, modelUrl } from "./api.js";
 import { cameraCentre, meanUp } from "./camera-view.js";
+import { h } from "./dom.js";
 import { draco } from "./draco.js";
 import { ModelView } from "./model-view.js";
+import { tokenOption } from "./token.js";
 
-/** Draws first pictures of models, one after the other, with one WebGL context. */
+const size = { width: 320, height: 240 }; // CSS pixels
+
+/**
+ * Draws first pictures of models, one after the other, with one WebGL context. It does so in a corner of a canvas of the
+ * size that the model's page will have, for to resize a canvas takes longer than to fetch a model's first picture.
+ */
 export class ThumbnailPainter {
-    private readonly stage = document.createElement("div");
+    private readonly stage = h("div", { class: "stage" });
+    private readonly rehearsal = h("div", { class: "model rehearsal", "aria-hidden": "true" }, this.stage, h("div", { class: "side" }));
     private turn: Promise<void> = Promise.resolve();
     private readonly stop = new AbortController();
-
-    constructor() {
-        this.stage.className = "thumbnail-stage";
-    }
 
     /** Draws a model, from its first kilobytes, into a canvas. */
     paint(id: string, canvas: HTMLCanvasElement): void {
@@ -21,13 +25,14 @@ export class ThumbnailPainter {
 
     dispose(): void {
         this.stop.abort();
-        this.stage.remove();
+        this.rehearsal.remove();
     }
 
     private async draw(id: string, canvas: HTMLCanvasElement): Promise<void> {
         if (this.stop.signal.aborted) return;
-        const model = await openModel(modelUrl(id), { draco: draco(), signal: this.stop.signal as never });
-        document.body.append(this.stage);
+        const coloured = { bytes: 0 }; // the base and its colours
+        const model = await openModel(modelUrl(id), { ...tokenOption(), draco: draco(), budget: coloured, signal: this.stop.signal as never });
+        document.body.append(this.rehearsal);
         const view = new ModelView(this.stage);
         try {
             const cameras = (await getCameras(id))?.cameras ?? [];
@@ -36,16 +41,14 @@ export class ThumbnailPainter {
             if (!model.mesh) return;
             if (!model.mesh.hasColours) view.setShading("plain");
             view.begin(model.mesh);
-            view.take();
-            view.drawNow();
-            canvas.width = view.canvas.width;
-            canvas.height = view.canvas.height;
-            canvas.getContext("2d")!.drawImage(view.canvas, 0, 0);
+            const { left, top, width, height } = view.drawPicture(size);
+            [canvas.width, canvas.height] = [width, height];
+            canvas.getContext("2d")!.drawImage(view.canvas, left, top, width, height, 0, 0, width, height);
             canvas.classList.add("painted");
         } finally {
             view.dispose();
             model.dispose();
-            this.stage.remove();
+            this.rehearsal.remove();
         }
     }
 }

@@ -1,10 +1,11 @@
-import { remember, RequestError, setToken } from "./api.js";
+import { remember, RequestError } from "./api.js";
 import { checkCapture } from "./capture-check.js";
 import type { CheckedCapture } from "./capture-check.js";
 import { h, icon, icons } from "./dom.js";
 import { bytes, count } from "./format.js";
 import type { Page } from "./page.js";
 import { goTo } from "./page.js";
+import { wantsToken } from "./token.js";
 import { newUploader } from "./uploader.js";
 import type { Uploader } from "./uploader.js";
 import type { NamedFile } from "./zip-file.js";
@@ -14,7 +15,7 @@ const shownFaults = 12;
 /** Where a capture is dropped, looked at, and sent. */
 export function uploadPage(): Page {
     const page = new UploadPage();
-    return { element: page.element, title: "New model", dispose: () => page.dispose() };
+    return { element: page.element, title: "New model", keepsForToken: true, dispose: () => page.dispose() };
 }
 
 class UploadPage {
@@ -73,7 +74,7 @@ class UploadPage {
 
     private offer(capture: CheckedCapture): HTMLElement {
         const what = capture.nImages === undefined ? "A zip" : `${count(capture.nImages)} photographs`;
-        const leftOut = capture.nLeftOut > 0 ? `; ${count(capture.nLeftOut)} files that no camera names stay here` : "";
+        const leftOut = capture.nLeftOut > 0 ? `; ${leftOutSentence(capture.nLeftOut)}` : "";
         const uploader = () => newUploader(capture, Math.min(Math.max(Number(this.vertices.value) || 10_000, 100), 1_000_000));
         let current: Uploader | undefined;
         const bar = h("span", { class: "fill" });
@@ -98,7 +99,7 @@ class UploadPage {
                 start.disabled = false;
                 start.textContent = "Try again";
                 trouble.textContent = sentenceOfFailure(error);
-                if (error instanceof RequestError && error.status === 401) trouble.after(tokenField());
+                if (error instanceof RequestError) wantsToken(error.status);
             }
         };
         return h(
@@ -112,6 +113,10 @@ class UploadPage {
     }
 }
 
+function leftOutSentence(n: number): string {
+    return n === 1 ? "a file that no camera names stays here" : `${count(n)} files that no camera names stay here`;
+}
+
 function faultList({ faults }: CheckedCapture): HTMLElement {
     const items = faults.slice(0, shownFaults).map(({ file, sentence }) => h("li", {}, h("code", {}, file), ` ${sentence}.`));
     const rest = faults.length - items.length;
@@ -123,11 +128,6 @@ function sentenceOfFailure(error: unknown): string {
     if (error instanceof RequestError) return error.message;
     if (error instanceof TypeError) return "The connection broke. What has arrived is not lost: try again, and the upload goes on.";
     return String(error);
-}
-
-function tokenField(): HTMLElement {
-    const field = h("input", { type: "password", "aria-label": "Token", placeholder: "The server's token", oninput: () => setToken(field.value) });
-    return field;
 }
 
 function picked(input: HTMLInputElement): NamedFile[] {
