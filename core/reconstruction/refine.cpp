@@ -214,9 +214,10 @@ BatchSize batch_size(int n_vertices, const RefineOptions& options) {
     // A last crumb joins its predecessor.
     const int taken = wanted < grown + grown / 3 ? wanted : grown;
     if (options.by_area) return {taken, taken};
-    // The images bear some out better than was expected, others not at all. A last batch, however few it takes, tries
-    // as many as the others: it would leave a crumb again and again, each at the price of a whole measurement.
-    return {std::max(fewest_tried, static_cast<int>((1 + spare_splits) * std::max(taken, grown))), taken};
+    // The images bear some out better than was expected, others not at all. A last batch that takes few may leave a
+    // crumb at the price of a whole measurement: it tries twice as many.
+    const int tried = taken < grown ? std::min(2 * taken, grown) : taken;
+    return {std::max(fewest_tried, static_cast<int>((1 + spare_splits) * tried)), taken};
 }
 
 /// Emits the batch on a copy of the state, without the faces that are left out.
