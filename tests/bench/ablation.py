@@ -105,9 +105,9 @@ TECHNIQUES = [
     Technique(
         "bending_term",
         "vertices that the images say much of bend towards flat",
-        CORE + "optimise_surface.h",
-        "double bending = 0.04;",
-        "double bending = 0.0;",
+        CORE + "optimise_surface.cpp",
+        "bending_ = (options_.bending + noisy_bending * noise) * mean;",
+        "bending_ = 0 * (options_.bending + noisy_bending * noise) * mean;",
     ),
     Technique(
         "half_resolution_depth",
