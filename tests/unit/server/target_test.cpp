@@ -35,7 +35,7 @@ TEST_CASE("Target: scheme and host, as a proxy's client names them, are passed o
 }
 
 TEST_CASE("Target: what could mean another file is refused") {
-    for (const char* target : {"/a%2fb", "/a%2Fb", "/a%00", "http://x/", "", "*", "/a%", "/a%4", "/a%zz", "/?a=%"})
+    for (const char* target : {"/a%2fb", "/a%2Fb", "/a%00", "", "*", "/a%", "/a%4", "/a%zz", "/?a=%"})
         CHECK_MESSAGE(status_of(target) == 400, target);
 }
 
