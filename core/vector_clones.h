@@ -8,3 +8,10 @@
 #else
 #define ANYRATE_VECTOR_CLONES
 #endif
+
+/// Before a loop whose iterations touch no memory of each other, which GCC then need not prove.
+#if defined(__clang__)
+#define ANYRATE_INDEPENDENT_ITERATIONS
+#else
+#define ANYRATE_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif

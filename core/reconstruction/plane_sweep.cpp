@@ -329,7 +329,7 @@ std::vector<DepthMap> plane_sweep(const PhotoImages& images, const VisualHull& h
             maps.size(),
             [&](std::size_t i) {
                 std::optional<CoarseDepth> coarse;
-                if (!coarse_maps.empty()) coarse.emplace(coarse_views[i].box, coarse_maps[i]);
+                if (!coarse_maps.empty()) coarse.emplace(CoarseDepth{coarse_views[i].box, coarse_maps[i]});
                 maps[i] = depth_map(views, i, hull, coarse, options);
             },
             1);
