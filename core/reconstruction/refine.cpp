@@ -183,7 +183,7 @@ OptimisedBatch optimise_batch(const RefinableMesh& state, const StateDistortion&
     optimise.samples_per_px = options.samples_per_px;
     if (!active.empty())
         optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
-
+    if (stop.stop_requested()) return {};  // nobody takes it, and the backend may hold another surface
     std::vector<TriangleDistortion> distortions(mesh.triangles.size());
     if (!active.empty()) {  // the backend still holds the surface
         const std::vector<std::int32_t> faces = faces_around(OneRings(mesh), active);
