@@ -77,7 +77,7 @@ const Capture& uneven_capture() {
     return capture;
 }
 
-const ReconstructOptions small{.n_vertices = 1000, .n_coarse = 300};
+const ReconstructOptions small{.n_vertices = 800, .n_coarse = 300};
 
 struct Undisturbed {
     Recorder recorder;
