@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/crc.hpp>
 #include <cstddef>
 
 namespace anyrate {
@@ -33,20 +34,11 @@ std::optional<ImageHeader> read_png_header(Bytes bytes) {
     return make_header(ImageKind::png, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4));
 }
 
-/// CRC-32 as PNG (section 5.5) and zip have it, polynomial 0xEDB88320.
+/// PNG's checksum (section 5.5).
 std::uint32_t crc32(Bytes bytes) {
-    static constexpr auto table = [] {
-        std::array<std::uint32_t, 256> remainders{};
-        for (std::uint32_t i = 0; i < 256; ++i) {
-            std::uint32_t crc = i;
-            for (int bit = 0; bit < 8; ++bit) crc = crc & 1 ? crc >> 1 ^ 0xEDB88320u : crc >> 1;
-            remainders[i] = crc;
-        }
-        return remainders;
-    }();
-    std::uint32_t crc = 0xFFFFFFFF;
-    for (const std::uint8_t byte : bytes) crc = crc >> 8 ^ table[(crc ^ byte) & 0xFF];
-    return ~crc;
+    boost::crc_32_type crc;
+    crc.process_bytes(bytes.data(), bytes.size());
+    return crc.checksum();
 }
 
 constexpr std::uint8_t jpeg_start = 0xD8, jpeg_end = 0xD9, jpeg_scan = 0xDA;

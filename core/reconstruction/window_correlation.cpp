@@ -55,7 +55,7 @@ void WindowCorrelation::carry_row(const Image<float>& other, const Parallax& par
     const float* const pixels = other.pixels.data();
     float* const carried = carried_.data();
     ANYRATE_INDEPENDENT_ITERATIONS  // the row carried is not among the pixels
-        for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < n; ++i) {
         const auto along = static_cast<float>(i);
         const float z = start.z() + along * step.z(), inverse_z = 1.0f / z;
         const float u = (start.x() + along * step.x()) * inverse_z, v = (start.y() + along * step.y()) * inverse_z;
@@ -77,7 +77,7 @@ void WindowCorrelation::enter_row(const PixelBox& box, int y, std::size_t slot) 
     for (std::size_t i = 0; i < n_sums * pitch_; ++i) columns_[i] -= row[i];
     const float *reference = &reference_(box.x0, y + radius_), *carried = carried_.data();
     ANYRATE_INDEPENDENT_ITERATIONS  // the six sums do not overlap
-        for (std::size_t i = 0; i < pitch_; ++i) {
+    for (std::size_t i = 0; i < pitch_; ++i) {
         const float ri = reference[i], ci = carried[i];
         const bool known = (ri == ri) & (ci == ci);  // neither is NaN
         const float va = known ? ri : 0.0f, vb = known ? ci : 0.0f;

@@ -1,9 +1,9 @@
 #include "server/jobs/judgement_message.h"
 
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "core/error.h"
+#include "server/jobs/json_line.h"
 
 namespace anyrate {
 namespace {
@@ -19,23 +19,14 @@ json to_json(const CaptureFault& fault) { return {{"type", "fault"}, {"path", fa
 json to_json(const NotReadable& end) { return {{"type", "not readable"}, {"fault", end.sentence}}; }
 json to_json(const JudgementEnd&) { return {{"type", "end"}}; }
 
-/// A whole number that an Integer can hold, and not below 0.
-template <class Integer>
-Integer whole(const json& object, const char* key) {
-    const json& value = object.at(key);
-    if (!value.is_number_unsigned() || !std::in_range<Integer>(value.get<std::uint64_t>()))
-        throw DecodeError(std::string("judgement: ") + key + " is no whole number in range");
-    return value.get<Integer>();
-}
-
 CaptureFile file_from(const json& object) {
     return {.path = object.at("path"),
-            .n_bytes = whole<std::uint64_t>(object, "bytes"),
+            .n_bytes = whole_number<std::uint64_t>(object, "bytes"),
             .sha256 = object.at("sha256"),
             .fault = object.at("fault"),
             .kind = object.at("kind"),
-            .width = whole<int>(object, "width"),
-            .height = whole<int>(object, "height")};
+            .width = whole_number<int>(object, "width", 0),
+            .height = whole_number<int>(object, "height", 0)};
 }
 
 JudgementMessage from_json(const json& object) {
@@ -51,17 +42,11 @@ JudgementMessage from_json(const json& object) {
 }  // namespace
 
 std::string encode_judgement_message(const JudgementMessage& message) {
-    return std::visit([](const auto& m) { return to_json(m); }, message)
-               .dump(-1, ' ', false, json::error_handler_t::replace) +
-           "\n";
+    return json_line(std::visit([](const auto& m) { return to_json(m); }, message));
 }
 
 JudgementMessage decode_judgement_message(std::string_view line) {
-    try {
-        return from_json(json::parse(line));
-    } catch (const json::exception& error) {
-        throw DecodeError(std::string("judgement: ") + error.what());
-    }
+    return from_json_line(line, "judgement", from_json);
 }
 
 }  // namespace anyrate

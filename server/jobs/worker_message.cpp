@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "core/error.h"
+#include "server/jobs/json_line.h"
 
 namespace anyrate {
 namespace {
@@ -50,22 +50,11 @@ json to_json(const JobDone&) { return {{"type", "done"}}; }
 
 json to_json(const JobStopped&) { return {{"type", "stopped"}}; }
 
-/// A whole number that an Integer can hold: to convert any other is undefined.
-template <class Integer>
-Integer whole(const json& object, const char* key) {
-    const json& value = object.at(key);
-    const bool fits = value.is_number_unsigned()
-                          ? std::in_range<Integer>(value.get<std::uint64_t>())
-                          : value.is_number_integer() && std::in_range<Integer>(value.get<std::int64_t>());
-    if (!fits) throw DecodeError(std::string("worker message: ") + key + " is no whole number in range");
-    return value.get<Integer>();
-}
-
 JobProgress progress_from(const json& object) {
     JobProgress progress{.stage = object.at("stage"),
                          .fraction = object.at("fraction"),
-                         .n_vertices = whole<std::uint32_t>(object, "vertices"),
-                         .n_bytes = whole<std::uint64_t>(object, "bytes"),
+                         .n_vertices = whole_number<std::uint32_t>(object, "vertices"),
+                         .n_bytes = whole_number<std::uint64_t>(object, "bytes"),
                          .psi = std::nullopt,
                          .seconds_left = std::nullopt};
     if (object.contains("psi")) progress.psi = object.at("psi").get<double>();
@@ -77,11 +66,11 @@ WorkerMessage from_json(const json& object) {
     const std::string type = object.at("type");
     if (type == "progress") return progress_from(object);
     if (type == "rate")
-        return RatePoint{.n_vertices = whole<std::uint32_t>(object, "vertices"),
-                         .n_bytes = whole<std::uint64_t>(object, "bytes"),
+        return RatePoint{.n_vertices = whole_number<std::uint32_t>(object, "vertices"),
+                         .n_bytes = whole_number<std::uint64_t>(object, "bytes"),
                          .psi = object.at("psi"),
                          .seconds = object.at("seconds")};
-    if (type == "begun") return JobBegun{whole<std::uint64_t>(object, "bytes")};
+    if (type == "begun") return JobBegun{whole_number<std::uint64_t>(object, "bytes")};
     if (type == "failed") return JobFailed{.error = object.at("error"), .cause = cause_from(object.at("cause"))};
     if (type == "done") return JobDone{};
     if (type == "stopped") return JobStopped{};
@@ -91,18 +80,9 @@ WorkerMessage from_json(const json& object) {
 }  // namespace
 
 std::string encode_worker_message(const WorkerMessage& message) {
-    // A file name inside an error sentence may be any bytes; what is not UTF-8 is replaced.
-    return std::visit([](const auto& m) { return to_json(m); }, message)
-               .dump(-1, ' ', false, json::error_handler_t::replace) +
-           "\n";
+    return json_line(std::visit([](const auto& m) { return to_json(m); }, message));
 }
 
-WorkerMessage decode_worker_message(std::string_view line) {
-    try {
-        return from_json(json::parse(line));
-    } catch (const json::exception& error) {
-        throw DecodeError(std::string("worker message: ") + error.what());
-    }
-}
+WorkerMessage decode_worker_message(std::string_view line) { return from_json_line(line, "worker message", from_json); }
 
 }  // namespace anyrate
