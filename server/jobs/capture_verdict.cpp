@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 #include <span>
-#include <sstream>
 #include <utility>
 
 #include "core/capture/cameras_json.h"
@@ -105,22 +104,6 @@ void judge_entry(CaptureVerdict& verdict, const CaptureRecord& capture, const Ca
                                                      size_text(image->width, image->height) + " as " + entry.file);
 }
 
-/// Each fault as path and sentence.
-void add_faults(CaptureVerdict& verdict, const Faults& faults) {
-    try {
-        faults.throw_if_any();
-    } catch (const InputError& error) {
-        std::istringstream lines(error.what());
-        for (std::string line; std::getline(lines, line);) {
-            const auto colon = line.find(": ");
-            if (colon == std::string::npos)
-                verdict.refused.emplace_back("cameras.json", line);
-            else
-                verdict.refused.emplace_back(line.substr(0, colon), line.substr(colon + 2));
-        }
-    }
-}
-
 /// What only all the entries together can tell.
 void judge_list(CaptureVerdict& verdict, const CaptureRecord& capture, const CameraList& list) {
     Faults faults;
@@ -135,7 +118,7 @@ void judge_list(CaptureVerdict& verdict, const CaptureRecord& capture, const Cam
         if (const auto camera = to_camera(entry, list.pixel_center, faults)) cameras.push_back(*camera);
     }
     if (cameras.size() >= least_views) check_baseline(cameras, "cameras.json", faults);
-    add_faults(verdict, faults);
+    for (const Fault& fault : faults.all()) verdict.refused.emplace_back(fault.file, fault.sentence);
     if (n_pixels > LoadOptions{}.max_capture_pixels)
         verdict.refused.emplace_back("cameras.json", "lists images of " + std::to_string(n_pixels) +
                                                          " pixels together: expected at most " +
