@@ -25,4 +25,9 @@ struct DiskFull : IoError {
     using IoError::IoError;
 };
 
+/// A device that was to compute failed (its driver, its memory), or there is none: the work can go on without it.
+struct DeviceError : IoError {
+    using IoError::IoError;
+};
+
 }  // namespace anyrate

@@ -12,6 +12,8 @@ packages=(
     libeigen3-dev libtbb-dev libopenmesh-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libarchive-dev
     # proto
     libdraco-dev nlohmann-json3-dev
+    # gpu: EGL and OpenGL, and Mesa's llvmpipe, which stands in for a GPU in tests
+    libepoxy-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
     # server
     libcli11-dev libspdlog-dev libsqlite3-dev libseccomp-dev libssl-dev
     # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports

@@ -36,6 +36,7 @@ THIRD_PARTIES = {
     r"boost/crc\.hpp": ["core/capture/image_header.cpp"],
     r"boost/(?!crc)": ["server/http/*", "server/client/*.cpp", "server/client/client_stream.h"],
     r"spdlog/": ["server/cli/server_log.cpp"],
+    r"(epoxy|EGL|GL)/": ["gpu/*"],
     r"openssl/": ["server/store/sha256.cpp"],
     r"CLI/": ["server/main.cpp", "server/cli/*.cpp"],
 }

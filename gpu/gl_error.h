@@ -1,0 +1,11 @@
+#pragma once
+#include <string_view>
+
+namespace anyrate {
+
+/// Asks the driver whether all went well so far.
+/// @param call  what was called, for the message
+/// @throws DeviceError it did not: out of memory, the context is lost, or a fault of ours
+void check_gl(std::string_view call);
+
+}  // namespace anyrate
