@@ -14,19 +14,8 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-constexpr int max_depth_map_side = 1024;
-
 /// Depth maps need no more than about a thousand pixels a side: the faces are several pixels large.
-int depth_level(const PhotoImages& images, int finest_level) {
-    int level = std::min(finest_level, images.n_levels() - 1);
-    const auto too_large = [&](int l) {
-        return std::any_of(images.views.begin(), images.views.end(), [l](const PhotoView& view) {
-            return std::max(view.levels[at(l)].width, view.levels[at(l)].height) > max_depth_map_side;
-        });
-    };
-    while (level + 1 < images.n_levels() && too_large(level)) ++level;
-    return level;
-}
+constexpr int max_depth_map_side = 1024;
 
 /// Largest of the four pixels around (x, y), which must have them: what hides most.
 float nearest_around(const Image<float>& inverse_depth, float x, float y) {
@@ -125,9 +114,27 @@ private:
 
 }  // namespace
 
+int depth_map_level(const PhotoImages& images, int finest_level) {
+    int level = std::min(finest_level, images.n_levels() - 1);
+    const auto too_large = [&](int l) {
+        return std::any_of(images.views.begin(), images.views.end(), [l](const PhotoView& view) {
+            return std::max(view.levels[at(l)].width, view.levels[at(l)].height) > max_depth_map_side;
+        });
+    };
+    while (level + 1 < images.n_levels() && too_large(level)) ++level;
+    return level;
+}
+
+double pixel_size_at(const PhotoImages& images, const Vec3& point) {
+    double squared = std::numeric_limits<double>::infinity();
+    for (const PhotoView& view : images.views)
+        squared = std::min(squared, (point - view.centre).squaredNorm() / (view.focal_px * view.focal_px));
+    return std::sqrt(squared);
+}
+
 Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options,
                        std::span<const std::int32_t> faces)
-    : level_(depth_level(images, options.finest_level)),
+    : level_(depth_map_level(images, options.finest_level)),
       scale_(std::ldexp(1.0F, -level_)),
       inverse_depth_(images.views.size()) {
     const std::size_t n_faces = surface.triangles.size();
@@ -171,13 +178,8 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
         if (begin_[f + 1] > begin_[f]) mean_area_px_[f] /= static_cast<double>(begin_[f + 1] - begin_[f]);
 
     pixel_size_.assign(n_faces, 0.0);
-    parallel_for(faces.size(), [&](std::size_t i) {
-        double squared = std::numeric_limits<double>::infinity();
-        for (const PhotoView& view : images.views)
-            squared =
-                std::min(squared, (planes[i].centroid - view.centre).squaredNorm() / (view.focal_px * view.focal_px));
-        pixel_size_[at(faces[i])] = std::sqrt(squared);
-    });
+    parallel_for(faces.size(),
+                 [&](std::size_t i) { pixel_size_[at(faces[i])] = pixel_size_at(images, planes[i].centroid); });
 }
 
 bool Visibility::is_visible(std::int32_t face, std::int32_t view, float x, float y, float inverse_depth) const {

@@ -24,6 +24,13 @@ struct FaceView {
     bool whole = false;  ///< no part of the face is hidden; otherwise each sample has to ask is_visible()
 };
 
+/// The pyramid level that depth is rendered at: `finest_level`, or a coarser one where that has more pixels than depth
+/// maps need.
+int depth_map_level(const PhotoImages& images, int finest_level);
+
+/// World size of a pixel of level 0 at a point, from the nearest view.
+double pixel_size_at(const PhotoImages& images, const Vec3& point);
+
 /// Which views see which part of a surface, by z-buffer (Nghiem et al., step 2). Depths are in world units and all
 /// tolerances relative to the pixel, so that the scale of the world does not matter.
 class Visibility {
