@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -57,6 +58,10 @@ public:
 
 /// The reference implementation, on oneTBB. `images` must outlive it.
 std::unique_ptr<PhotoBackend> make_cpu_backend(const PhotoImages& images, Sampling sampling = Sampling::adaptive);
+
+/// How a reconstruction gets a backend once its photographs are prepared. The pixels of `images` stay as they are while
+/// the backend lives; their cameras may move between two calls of set_surface().
+using BackendFactory = std::function<std::unique_ptr<PhotoBackend>(const PhotoImages& images, Sampling sampling)>;
 
 /// A face of the surface where it stands.
 TriangleQuery query_of(const SurfaceView& surface, std::int32_t face);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "core/error.h"
@@ -244,19 +245,24 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, frame, sink, tell);
     auto& [images, silhouettes, guessed, mesh, gains, shifts] = start;
 
-    const auto backend = make_cpu_backend(images);
-    const auto sampler = make_cpu_backend(images, options.sampling);
+    const auto backend = options.backend(images, Sampling::adaptive);
+    // One of its own where two surfaces are looked at in turns or samples are shared out otherwise: a device need not
+    // hold the photographs twice.
+    const auto own_sampler = fixed_rate || options.sampling != Sampling::adaptive
+                                 ? options.backend(images, options.sampling)
+                                 : std::unique_ptr<PhotoBackend>();
+    PhotoBackend& sampler = own_sampler ? *own_sampler : *backend;
     std::vector<double> iterations;
     tell({Stage::optimise, 0, mesh.n_vertices(), 0});
     if (fixed_rate) {
-        iterations = flow_at_fixed_rate(*sampler, *backend, options, mesh, tell, stop);
+        iterations = flow_at_fixed_rate(sampler, *backend, options, mesh, tell, stop);
     } else {
-        optimise_coarse_to_fine(*sampler, start, tell, stop);
-        guessed = confirm_guesses(*sampler, silhouettes, guessed, mesh, {}, stop);
+        optimise_coarse_to_fine(sampler, start, tell, stop);
+        guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
     }
     const NearestSurface fitted(mesh);
     Mesh fitted_mesh = mesh;
-    if (!fixed_rate) mesh = fit_base(*sampler, start, n_base, stop);
+    if (!fixed_rate) mesh = fit_base(sampler, start, n_base, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
 
     // From here on only the decoded integer state counts.
@@ -306,7 +312,7 @@ ReconstructResult resume(Capture capture, const ReconstructOptions& options, con
     }
     const GuessedSurface guessed(start.guess_points, start.guess_reach);
     const NearestSurface fitted(start.fitted);
-    const auto backend = make_cpu_backend(images);
+    const auto backend = options.backend(images, Sampling::adaptive);
     if (point) {
         point->state.move_grid(start.grid.origin, start.grid.unit);
     } else {

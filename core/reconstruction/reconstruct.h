@@ -7,6 +7,7 @@
 
 #include "core/capture/capture.h"
 #include "core/progressive/model_sink.h"
+#include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/refinement_journal.h"
 #include "core/reconstruction/sampling.h"
 
@@ -23,8 +24,9 @@ struct ReconstructOptions {
     int n_coarse = 2'500;
     std::uint64_t seed = 1;
     Method method = Method::refine;
-    Sampling sampling = Sampling::adaptive;  ///< of step 2; step 3 and every Psi that is told sample adaptively
-    double samples_per_px = 1.0;             ///< C of Eq. 7 in the surface flow (`Method::flow`)
+    Sampling sampling = Sampling::adaptive;     ///< of step 2; step 3 and every Psi that is told sample adaptively
+    double samples_per_px = 1.0;                ///< C of Eq. 7 in the surface flow (`Method::flow`)
+    BackendFactory backend = make_cpu_backend;  ///< who computes photo-consistency
 };
 
 enum class Stage { hull, poisson, remesh, optimise, refine };
@@ -50,8 +52,8 @@ struct ReconstructResult {
 };
 
 /// The whole method: hull, Poisson, remesh, then the loop visibility - photo-consistency - flow - refine - emit.
-/// The same capture and options give the same calls of the sink for any number of threads; so does a capture that
-/// differs in the world's unit and origin alone, but for the grid's.
+/// On the CPU the same capture and options give the same calls of the sink for any number of threads; so does a capture
+/// that differs in the world's unit and origin alone, but for the grid's.
 /// @param capture  its colours are given back as soon as they have been prepared for sampling: move it here
 /// @param journal  if there is one, a reconstruction that is stopped gives the sink nothing that an undisturbed one
 ///                 would not, neither a base in a hurry nor finish(): it is there to be resumed

@@ -5,7 +5,6 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
-#include <functional>
 #include <memory>
 
 #include "core/reconstruction/photo_backend.h"
@@ -13,8 +12,6 @@
 #include "tests/scenes.h"
 
 namespace anyrate {
-
-using BackendFactory = std::function<std::unique_ptr<PhotoBackend>(const PhotoImages&)>;
 
 inline std::vector<TriangleQuery> queries_of(const Mesh& mesh) {
     std::vector<TriangleQuery> batch(mesh.triangles.size());
@@ -42,7 +39,7 @@ inline void check_photo_backend(const BackendFactory& make, double tolerance) {
     const Mesh mesh = icosphere(3, 0.99);
     const auto batch = queries_of(mesh);
     const auto directions = directions_of(mesh);
-    const auto backend = make(images);
+    const auto backend = make(images, Sampling::adaptive);
     REQUIRE(backend->n_levels() == images.n_levels());
 
     for (int level = 0; level < backend->n_levels(); ++level) {

@@ -3,6 +3,4 @@
 
 using namespace anyrate;
 
-TEST_CASE("PhotoBackend contract: the CPU backend keeps it") {
-    check_photo_backend([](const PhotoImages& images) { return make_cpu_backend(images); }, 1e-12);
-}
+TEST_CASE("PhotoBackend contract: the CPU backend keeps it") { check_photo_backend(make_cpu_backend, 1e-12); }

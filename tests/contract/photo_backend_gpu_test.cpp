@@ -8,8 +8,8 @@ using namespace anyrate;
 
 TEST_CASE("PhotoBackend contract: the GPU backend keeps it") {
     check_photo_backend(
-        [](const PhotoImages& images) {
-            return make_gpu_backend(std::make_shared<EglContext>(DeviceChoice::any), images);
+        [](const PhotoImages& images, Sampling sampling) {
+            return make_gpu_backend(std::make_shared<EglContext>(DeviceChoice::any), images, sampling);
         },
         1e-6);
 }
