@@ -11,7 +11,6 @@ namespace anyrate {
 struct DeviceWork {
     std::uint64_t n_dispatches = 0;
     std::uint64_t bytes_up = 0, bytes_down = 0;  ///< copied to the device and back, images included
-    std::uint64_t n_samples = 0;                 ///< lattice points of the triangles asked for, each in every view
 
     void run(const GlProgram& program, std::size_t n_x, std::size_t n_y = 1) {
         program.run(n_x, n_y);

@@ -92,6 +92,10 @@ void look_up_what_deletes() {
 EglContext::EglContext(DeviceChoice choice) {
     std::string said;
     for (const DisplayCandidate& candidate : display_candidates()) {
+        if (choice == DeviceChoice::hardware && candidate.is_software) {
+            said += "; " + candidate.name + " computes on the CPU";
+            continue;
+        }
         try {
             auto handles = std::make_unique<Handles>(candidate.display);
             const EGLDisplay display = handles->display.get();
@@ -100,7 +104,7 @@ EglContext::EglContext(DeviceChoice choice) {
             make_current_on(display, handles->context);
             device_ = describe();
             if (choice == DeviceChoice::hardware && device_.is_software)
-                throw DeviceError("is " + device_.renderer + ", which computes on the CPU");
+                throw DeviceError(device_.renderer + " computes on the CPU");
             look_up_what_deletes();
             handles_ = std::move(handles);
             return;

@@ -36,8 +36,7 @@ std::vector<DisplayCandidate> devices() {
         const bool on_cpu = is_software(found[i]);
         const EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, found[i], nullptr);
         if (display == EGL_NO_DISPLAY) continue;
-        (on_cpu ? software : hardware)
-            .push_back({"device " + std::to_string(i) + (on_cpu ? " (software)" : ""), display});
+        (on_cpu ? software : hardware).push_back({"device " + std::to_string(i), on_cpu, display});
     }
     hardware.insert(hardware.end(), software.begin(), software.end());
     return hardware;
@@ -64,7 +63,9 @@ std::vector<DisplayCandidate> display_candidates() {
     if (has_client_extension("EGL_MESA_platform_surfaceless")) {
         const EGLDisplay display =
             eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-        if (display != EGL_NO_DISPLAY) candidates.push_back({"the surfaceless platform", display});
+        // It takes one of the devices; where all of them are software, so is it.
+        const bool on_cpu = !candidates.empty() && std::ranges::all_of(candidates, &DisplayCandidate::is_software);
+        if (display != EGL_NO_DISPLAY) candidates.push_back({"the surfaceless platform", on_cpu, display});
     }
     if (candidates.empty()) throw DeviceError("EGL has no device: no driver is installed");
     return candidates;

@@ -24,7 +24,8 @@ private:
 
 /// Where a context may be made.
 struct DisplayCandidate {
-    std::string name;  ///< for messages
+    std::string name;          ///< for messages
+    bool is_software = false;  ///< known to compute on the CPU; false may also be unknown
     EGLDisplay display = EGL_NO_DISPLAY;
 };
 

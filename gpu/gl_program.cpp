@@ -72,7 +72,8 @@ void GlProgram::run(std::size_t n_x, std::size_t n_y) const {
                           " items are more than a dispatch takes");
     glUseProgram(id_);
     glDispatchCompute(static_cast<GLuint>(n_groups), static_cast<GLuint>(n_y), 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
     check_gl(name_);
 }
 

@@ -78,7 +78,7 @@ public:
           sampling_(sampling),
           n_lanes_(static_cast<std::size_t>(lanes_on(context_->device()))),
           textures_(images, work_),
-          surface_(images, work_),
+          surface_(images),
           distortion_programs_(lanes_on(context_->device()), false),
           term_programs_(lanes_on(context_->device()), true) {
         work_.write<float>(lattices_, lattice_block());

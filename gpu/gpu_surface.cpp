@@ -23,7 +23,7 @@ std::string max_steps() { return "#define MAX_STEPS " + std::to_string(max_latti
 
 }  // namespace
 
-GpuSurface::GpuSurface(const PhotoImages& images, DeviceWork&)
+GpuSurface::GpuSurface(const PhotoImages& images)
     : images_(images),
       project_("project", with_common(shaders::project)),
       rasterise_("rasterise", with_common(shaders::rasterise)),

@@ -25,7 +25,7 @@ struct DeviceFace {
 class GpuSurface {
 public:
     /// @param images  must outlive it; the cameras may move between two calls of set()
-    GpuSurface(const PhotoImages& images, DeviceWork& work);
+    explicit GpuSurface(const PhotoImages& images);
 
     /// As PhotoBackend::set_surface(). @throws DeviceError
     void set(const SurfaceView& surface, int level, double samples_per_px, std::span<const std::int32_t> faces,

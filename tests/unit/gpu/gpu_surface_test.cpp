@@ -21,7 +21,7 @@ TEST_CASE("GpuSurface: sees in each view the faces that Visibility sees, whole w
     const EglContext context(DeviceChoice::any);
     const PhotoImages images = make_photo_images(sphere_capture(9, 200), 4);
     DeviceWork work;
-    GpuSurface surface(images, work);
+    GpuSurface surface(images);
     int n_sights = 0, n_partly = 0;
     for (const RandomSurface& random : random_surfaces()) {
         CAPTURE(random.name);
@@ -56,7 +56,7 @@ TEST_CASE("GpuSurface: says nothing of faces that were not asked for, which hide
     const PhotoImages images = make_photo_images(sphere_capture(6, 128), 3);
     const Mesh mesh = random_surfaces()[1].mesh;
     DeviceWork work;
-    GpuSurface surface(images, work);
+    GpuSurface surface(images);
     surface.set(mesh, 0, 1.0, {}, Sampling::adaptive, work);
     const auto all = surface.read_faces(work);
     const std::vector<std::int32_t> asked{3, 50, 51, 700};
@@ -76,7 +76,7 @@ TEST_CASE("GpuSurface: uniform sampling gives every face the steps that the CPU 
     for (std::int32_t f = 0; f < mesh.n_faces(); ++f) areas_px.push_back(visibility.mean_area_px(f));
     const auto expected = lattice_steps(areas_px, 2.0, Sampling::uniform);
     DeviceWork work;
-    GpuSurface surface(images, work);
+    GpuSurface surface(images);
     surface.set(mesh, 0, 2.0, {}, Sampling::uniform, work);
     const auto faces = surface.read_faces(work);
     for (std::size_t f = 0; f < faces.size(); ++f) CHECK(faces[f].steps == expected[f]);
