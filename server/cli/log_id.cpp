@@ -37,7 +37,7 @@ void add_view(Fnv1a& hash, const View& view) {
 
 }  // namespace
 
-std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options) {
+std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options, std::string_view device) {
     Fnv1a hash;
     for (const View& view : capture.views) add_view(hash, view);
     hash.add_value(options.n_vertices);
@@ -46,6 +46,7 @@ std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& option
     hash.add_value(static_cast<int>(options.method));
     hash.add_value(static_cast<int>(options.sampling));
     hash.add_value(options.samples_per_px);
+    hash.add(std::span<const char>(device));
     return hash.value();
 }
 

@@ -11,6 +11,7 @@
 #include "core/capture/load_capture.h"
 #include "core/error.h"
 #include "proto/log_reader.h"
+#include "server/cli/backend_choice.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/log_id.h"
@@ -26,13 +27,9 @@
 namespace anyrate {
 namespace {
 
-enum class Backend { automatic, cpu, gpu };
-
 const std::map<std::string, Method> methods = {
     {"refine", Method::refine}, {"flow", Method::flow}, {"uniform", Method::uniform}};
 const std::map<std::string, Sampling> samplings = {{"adaptive", Sampling::adaptive}, {"uniform", Sampling::uniform}};
-const std::map<std::string, Backend> backends = {
-    {"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"gpu", Backend::gpu}};
 
 struct ReconstructCommand {
     std::filesystem::path capture, model;
@@ -40,7 +37,7 @@ struct ReconstructCommand {
     LoadOptions load;
     ReconstructOptions reconstruct;
     std::optional<int> n_coarse;
-    Backend backend = Backend::automatic;
+    BackendKind backend = BackendKind::automatic;
     int n_threads = 0;
     bool quiet = false;
 };
@@ -52,8 +49,10 @@ std::string method_name(Method method) {
     return {};
 }
 
+void warn(const std::string& sentence) { std::fprintf(stderr, "anyrate: %s\n", sentence.c_str()); }
+
 /// @param curve  its bytes become those of the sealed log, whose packets may hold several points
-Report make_report(const ReconstructCommand& request, std::optional<ReportPoint> preview,
+Report make_report(const ReconstructCommand& request, const BackendChoice& backend, std::optional<ReportPoint> preview,
                    std::vector<ReportPoint> curve, int n_threads, const ReconstructResult& result) {
     const auto log = read_log(request.model);
     const LogLayout layout = read_layout(log);
@@ -63,7 +62,8 @@ Report make_report(const ReconstructCommand& request, std::optional<ReportPoint>
     }
     return {.capture = request.capture.string(),
             .method = method_name(request.reconstruct.method),
-            .backend = "cpu",
+            .backend = backend.name(),
+            .device = backend.device,
             .n_threads = n_threads,
             .preview = preview,
             .curve = std::move(curve),
@@ -80,9 +80,10 @@ void print_summary(const ReconstructCommand& request, const Report& report, cons
 }
 
 int reconstruct_capture(const ReconstructCommand& request) {
-    if (request.backend == Backend::gpu) throw IoError("--backend gpu: this build has no GPU backend; use cpu or auto");
     const Interrupt interrupt;
     const ThreadLimit threads(request.n_threads);
+    const BackendChoice backend = choose_backend(request.backend, warn);
+    if (!request.quiet) warn(backend.sentence);
     StageClock clock;
     Capture capture = load_capture(request.capture, request.load);
 
@@ -93,17 +94,19 @@ int reconstruct_capture(const ReconstructCommand& request) {
         return ReportPoint{static_cast<int>(point.n_vertices), point.n_bytes, point.psi, clock.total_seconds()};
     };
     DurableSink log(
-        log_id_of(capture, request.reconstruct), temporary.path(),
+        log_id_of(capture, request.reconstruct, backend.device), temporary.path(),
         [&](const RatePoint& point) { curve.push_back(report_point(point)); },
         [&](const RatePoint& point) { preview = report_point(point); });
     TimedSink sink(log, clock);
     const ReconstructResult result = [&] {
+        ReconstructOptions options = request.reconstruct;
+        options.backend = backend.factory;
         ProgressBar bar;
         const auto on_progress = [&](const Progress& progress) {
             clock.switch_to(activity_of(progress.stage));
             if (!request.quiet) bar.show(progress);
         };
-        return reconstruct(std::move(capture), request.reconstruct, sink, on_progress, interrupt.token());
+        return reconstruct(std::move(capture), options, sink, on_progress, interrupt.token());
     }();
     if (curve.empty()) {
         std::fprintf(stderr, "anyrate: interrupted before the coarse mesh was there; no model was written\n");
@@ -111,7 +114,7 @@ int reconstruct_capture(const ReconstructCommand& request) {
     }
     log.seal(request.model);
 
-    const Report report = make_report(request, preview, std::move(curve), threads.n_threads(), result);
+    const Report report = make_report(request, backend, preview, std::move(curve), threads.n_threads(), result);
     if (request.report) replace_file(*request.report, as_bytes(report_json(report, clock)));
     if (!request.quiet) print_summary(request, report, clock);
     if (!result.stopped) return 0;
@@ -131,7 +134,7 @@ void add_options(CLI::App& sub, ReconstructCommand& request) {
     sub.add_option("--cameras", request.load.cameras_file, "name of the camera file inside the capture")
         ->capture_default_str();
     sub.add_option("--backend", request.backend, "who computes photo-consistency: auto, cpu or gpu")
-        ->transform(CLI::CheckedTransformer(backends));
+        ->transform(CLI::CheckedTransformer(backend_kinds()));
     sub.add_option("--method", request.reconstruct.method,
                    "refine: the method; flow: surface flow alone; uniform: split the largest faces")
         ->transform(CLI::CheckedTransformer(methods));

@@ -45,6 +45,7 @@ std::string report_json(const Report& report, const StageClock& clock) {
                    {"psi", report.curve.back().psi},
                    {"max_distortion", report.max_distortion},
                    {"stopped", report.stopped}}}};
+    if (!report.device.empty()) json["device"] = report.device;
     if (report.preview)
         json["preview"] = {{"vertices", report.preview->n_vertices},
                            {"bytes", report.preview->bytes},

@@ -18,7 +18,9 @@ struct ReportPoint {
 
 /// What `anyrate reconstruct --report` tells about a run.
 struct Report {
-    std::string capture, method, backend;
+    std::string capture, method;
+    std::string backend;  ///< who computed photo-consistency: "cpu", "gpu", or "gpu, then cpu"
+    std::string device;   ///< of the GPU, as its driver names it; empty: none
     int n_threads = 0;
     std::optional<ReportPoint> preview;  ///< the hull, which clients of a server see first; not part of the log
     std::vector<ReportPoint> curve;      ///< the base first

@@ -138,11 +138,6 @@ class Reconstruct(unittest.TestCase):
             first.append(psi[0])
         self.assertEqual(*first)  # the same surface, measured the same way
 
-    def test_no_gpu_is_said_so(self):
-        done = anyrate(*reconstruct_arguments(capture(), scratch() / "gpu.arl"), "--backend", "gpu")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("no GPU backend", done.stderr)
-
 
 class Decode(unittest.TestCase):
     def test_every_vertex_budget_is_a_closed_manifold_just_below_it(self):
