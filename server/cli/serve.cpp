@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/cli/backend_choice.h"
 #include "server/cli/commands.h"
 #include "server/cli/config_file.h"
 #include "server/cli/interrupt.h"
@@ -38,6 +39,7 @@ struct ServeCommand {
     LogRequests log_requests = LogRequests::errors;
     JobOptions jobs;
     std::uint64_t max_upload_mb = 1024;
+    std::string backend = "auto";
 };
 
 constexpr const char* judge_memory_mb = "2048";  // one file of a zip at a time is in memory, 1 GB at most
@@ -48,6 +50,7 @@ WorkerCommand worker_command(const ServeCommand& request) {
     const std::string data = std::filesystem::absolute(request.data).string();
     const std::string parent = std::to_string(::getpid());
     const std::string memory = std::to_string(request.jobs.worker_memory_mb);
+    const std::string backend = request.backend;
     return [=](const ModelRecord& model) -> std::vector<std::string> {
         return {program,      "worker",
                 "--data",     data,
@@ -56,6 +59,7 @@ WorkerCommand worker_command(const ServeCommand& request) {
                 "--vertices", std::to_string(model.options.n_vertices),
                 "--coarse",   std::to_string(model.options.n_coarse),
                 "--memory",   memory,
+                "--backend",  backend,
                 "--parent",   parent};
     };
 }
@@ -160,6 +164,11 @@ void add_serve(CLI::App& app, Command& command) {
         ->envname("ANYRATE_DATA")
         ->capture_default_str();
     add_job_options(*sub, request->jobs);
+    sub->add_option("--backend", request->backend,
+                    "who computes photo-consistency: cpu; gpu; auto, for sandboxed workers the CPU")
+        ->envname("ANYRATE_BACKEND")
+        ->check(CLI::IsMember(backend_kinds()))
+        ->capture_default_str();
     sub->add_option("--max-upload", request->max_upload_mb, "MB of one capture")
         ->envname("ANYRATE_MAX_UPLOAD")
         ->check(CLI::Range(1, 1 << 20))

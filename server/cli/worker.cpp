@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "server/cli/backend_choice.h"
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/jobs/job_runner.h"
@@ -29,6 +31,7 @@ struct WorkerArguments {
     std::uint64_t epoch = 1;
     std::uint64_t memory_mb = 0;
     int parent = 0;
+    BackendKind backend = BackendKind::automatic;
     bool no_sandbox = false;
 };
 
@@ -70,12 +73,26 @@ int judge(const WorkerArguments& arguments) {
                          .open_files = most_open_files,
                          .processor_time = judging_time,
                          .parent = arguments.parent});
-    SandboxFolders folders{.readable = system_files(), .writable = {}};
+    SandboxFolders folders{.readable = system_files(), .writable = {}, .has_device = false};
     folders.readable.push_back(arguments.judged_zip);
     confine(arguments, folders);
     say_judgement(arguments.judged_zip,
                   [](const JudgementMessage& message) { send(encode_judgement_message(message)); });
     return 0;
+}
+
+void warn(const std::string& sentence) { std::fprintf(stderr, "anyrate worker: %s\n", sentence.c_str()); }
+
+/// Before the sandbox closes: a driver opens devices and libraries and starts threads, which is refused inside. There a
+/// GPU also needs calls (ioctl) that nobody else does, so a sandboxed worker takes one only if it is told to.
+BackendChoice backend_of(const WorkerArguments& arguments) {
+    if (arguments.backend == BackendKind::automatic && !arguments.no_sandbox)
+        return choose_backend(BackendKind::cpu, warn);
+    // Mesa would keep compiled shaders in files of the user.
+    ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+    BackendChoice backend = choose_backend(arguments.backend, warn);
+    warn(backend.sentence);
+    return backend;
 }
 
 int work(const WorkerArguments& arguments) {
@@ -85,7 +102,8 @@ int work(const WorkerArguments& arguments) {
                          .file_bytes = largest_file,
                          .open_files = most_open_files,
                          .parent = arguments.parent});
-    confine(arguments, {.readable = system_files(), .writable = {paths.folder}});
+    const BackendChoice backend = backend_of(arguments);
+    confine(arguments, {.readable = system_files(), .writable = {paths.folder}, .has_device = backend.is_hardware});
     const Interrupt interrupt;
     DirectoryLogStore store(arguments.data);
     bool done = false;
@@ -94,7 +112,7 @@ int work(const WorkerArguments& arguments) {
          .capture = paths.capture,
          .options = arguments.options,
          .epoch = arguments.epoch},
-        real_job_steps(), store,
+        real_job_steps(backend.factory), store,
         [&](const WorkerMessage& message) {
             done = done || std::holds_alternative<JobDone>(message);
             send(encode_worker_message(message));
@@ -118,6 +136,9 @@ void add_worker(CLI::App& app, Command& command) {
     sub->add_option("--coarse", arguments->options.n_coarse, "of the coarse mesh")->capture_default_str();
     sub->add_option("--memory", arguments->memory_mb, "MB this process may use; 0 for no limit")->capture_default_str();
     sub->add_option("--parent", arguments->parent, "process without which this one ends");
+    sub->add_option("--backend", arguments->backend,
+                    "who computes photo-consistency: cpu; gpu; auto, in a sandbox the CPU, else a GPU if there is one")
+        ->transform(CLI::CheckedTransformer(backend_kinds()));
     sub->add_flag("--no-sandbox", arguments->no_sandbox, "run without seccomp and Landlock (to debug it)");
     sub->callback([arguments, &command] { command = [arguments] { return work(*arguments); }; });
 }

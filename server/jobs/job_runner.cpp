@@ -177,14 +177,24 @@ private:
 
 }  // namespace
 
-JobSteps real_job_steps() {
+JobSteps real_job_steps(BackendFactory backend) {
+    const auto on = [](ReconstructOptions options, const BackendFactory& computes) {
+        options.backend = computes;
+        return options;
+    };
     return {.load = [](const std::filesystem::path& file) { return load_capture(file); },
             .reconstruct =
-                [](Capture capture, const ReconstructOptions& options, ModelSink& sink, const ProgressFn& progress,
-                   std::stop_token stop, RefinementJournal& journal) {
-                    return reconstruct(std::move(capture), options, sink, progress, stop, &journal);
+                [=](Capture capture, const ReconstructOptions& options, ModelSink& sink, const ProgressFn& progress,
+                    std::stop_token stop, RefinementJournal& journal) {
+                    return reconstruct(std::move(capture), on(options, backend), sink, progress, stop, &journal);
                 },
-            .resume = resume};
+            .resume =
+                [=](Capture capture, const ReconstructOptions& options, const RefinementStart& start,
+                    std::optional<RefinementPoint> point, ModelSink& sink, const ProgressFn& progress,
+                    std::stop_token stop, RefinementJournal& journal) {
+                    return resume(std::move(capture), on(options, backend), start, std::move(point), sink, progress,
+                                  stop, journal);
+                }};
 }
 
 void run_job(const Job& job, const JobSteps& steps, LogStore& store, const Report& report, std::stop_token stop) {

@@ -34,7 +34,8 @@ struct JobSteps {
         resume;
 };
 /// load_capture(), reconstruct() and resume().
-JobSteps real_job_steps();
+/// @param backend  computes photo-consistency
+JobSteps real_job_steps(BackendFactory backend = make_cpu_backend);
 
 /// Loads the capture, reconstructs it into the live log (every frame durable before it is reported) and seals the log.
 /// Where an earlier attempt left a log and what is needed to go on with it, the job goes on behind its last whole

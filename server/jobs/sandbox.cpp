@@ -97,7 +97,7 @@ void check(int result, const std::string& what) {
     if (result < 0) fail(what, -result);
 }
 
-void allow_only_harmless_calls() {
+void allow_only_harmless_calls(bool has_device) {
     const std::unique_ptr<void, ReleaseFilter> filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)));
     if (!filter) fail("make a filter of system calls", ENOMEM);
     for (const char* name : allowed_calls) {
@@ -105,6 +105,7 @@ void allow_only_harmless_calls() {
         if (call == __NR_SCMP_ERROR || call < 0) continue;  // another architecture
         check(seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0), std::string("allow ") + name);
     }
+    if (has_device) check(seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(ioctl), 0), "allow ioctl");
     // Threads, but no processes. The arguments of clone3 are out of a filter's sight: glibc then falls back to clone.
     check(seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
                            SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD)),
@@ -126,7 +127,7 @@ void allow_only_harmless_calls() {
 int enter_sandbox(const SandboxFolders& folders) {
     if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) fail("give up new privileges", errno);
     const int version = confine_to(folders);
-    allow_only_harmless_calls();
+    allow_only_harmless_calls(folders.has_device);
     return version;
 }
 

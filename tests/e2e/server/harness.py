@@ -47,13 +47,13 @@ def grey_png(width, height, value):
 class Server:
     """`anyrate serve` on a port of the kernel's choice."""
 
-    def __init__(self, data, *options, environment=None, headers=None):
+    def __init__(self, data, *options, environment=None, headers=None, errors=subprocess.DEVNULL):
         self.data = Path(data)
         self.document = None      # its OpenAPI document, once it was asked for
         self.headers = headers or {}  # of every request
         self.process = subprocess.Popen(
             [ANYRATE, "serve", "--listen", "127.0.0.1:0", "--data", self.data, *options],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env={**os.environ, **(environment or {})})
+            stdout=subprocess.PIPE, stderr=errors, text=True, env={**os.environ, **(environment or {})})
         atexit.register(self.kill_if_running)  # of a test that ended by an exception
         line = self.process.stdout.readline()
         if not line.startswith("listening on http"):

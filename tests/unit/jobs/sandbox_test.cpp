@@ -56,13 +56,13 @@ struct Fixture {
     /// The errno that `act` leaves inside the sandbox; 0 if it succeeds.
     int sandboxed(const std::function<bool()>& act) {
         return in_child([&] {
-            enter_sandbox({.readable = {readable}, .writable = {open}});
+            enter_sandbox({.readable = {readable}, .writable = {open}, .has_device = false});
             errno = 0;
             return act() ? 0 : errno;
         });
     }
     bool has_landlock() {
-        return in_child([&] { return enter_sandbox({.readable = {}, .writable = {}}); }) != 0;
+        return in_child([&] { return enter_sandbox({.readable = {}, .writable = {}, .has_device = false}); }) != 0;
     }
 };
 
