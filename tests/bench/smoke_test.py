@@ -57,6 +57,22 @@ class Smoke(unittest.TestCase):
             self.assertGreater(result["packet"]["milliseconds"], 0)
             self.assertTrue(all(rate > 0 for rate in result["replay"].values()))
 
+    def test_the_backends_are_measured(self):
+        tiny = ["--views", "6", "--width", "96", "--height", "72", "--vertices", "400", "--repeat", "1"]
+        environment = {**os.environ, "MESA_SHADER_CACHE_DISABLE": "true"}
+        done = subprocess.run([BUILD / "bench" / "backend", *tiny], capture_output=True, text=True, env=environment, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        result = json.loads(done.stdout)
+        self.assertEqual([backend["name"] for backend in result["backends"]][0], "cpu")
+        self.assertEqual(len(result["backends"]), 2, result.get("no_device"))
+        for backend in result["backends"]:
+            self.assertGreater(backend["stages"]["terms"]["samples_per_second"], 0)
+        device = result["backends"][1]["stages"]
+        self.assertEqual(device["terms"]["dispatches"], 3)
+        self.assertGreater(device["upload"]["bytes_up"], 6 * 96 * 72 * 4)
+        self.assertGreater(result["roofline"]["operations_per_second"], 0)
+        self.assertGreater(result["roofline"]["bytes_per_second"], 0)
+
     def test_paper_measures_all_methods_and_draws_them(self):
         out = self.folder / "paper"
         fig7 = ["--iterations-at", 300, "--iterations-of", "torus"]
