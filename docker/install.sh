@@ -23,7 +23,7 @@ packages=(
 # The libraries of the binary itself (tests/docker_test.py compares); theirs follow.
 run_packages=(
     libarchive13 libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopenmesh1 libdraco7 libtbb12
-    libsqlite3-0 libseccomp2 libssl3 libspdlog1.10 libfmt9 libstdc++6 curl ca-certificates
+    libsqlite3-0 libseccomp2 libssl3 libspdlog1.10 libfmt9 libstdc++6 libepoxy0 libegl1 curl ca-certificates
 )
 
 is_installed() {

@@ -57,6 +57,13 @@ class Docker(unittest.TestCase):
         self.assertEqual(pathlib.Path(places["anyrate"]).parent, pathlib.Path(places["viewer"]).parent)
         self.assertRegex(DOCKERFILE, rf"ln -s {places['anyrate']} /usr/local/bin/anyrate")
 
+    def test_egl_is_told_of_a_gpus_driver(self):
+        target = re.search(r"^COPY docker/10_nvidia.json (\S+)$", DOCKERFILE, re.M).group(1)
+        self.assertEqual(target, "/usr/share/glvnd/egl_vendor.d/10_nvidia.json")
+        vendor = json.loads((ROOT / "docker/10_nvidia.json").read_text())
+        self.assertEqual(vendor["ICD"]["library_path"], "libEGL_nvidia.so.0")
+        self.assertRegex((ROOT / "docker/compose.gpu.yaml").read_text(), r"NVIDIA_DRIVER_CAPABILITIES: graphics,compute")
+
     def test_every_file_that_is_copied_is_there(self):
         for source in re.findall(r"^COPY (?!--from)(\S+) ", DOCKERFILE, re.M):
             self.assertTrue((ROOT / source).exists(), source)
