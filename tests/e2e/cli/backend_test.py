@@ -66,10 +66,10 @@ class Backend(unittest.TestCase):
             self.assertLess(min(report["iterations"]), report["iterations"][0])
 
     def test_without_a_driver_gpu_fails_with_the_reason(self):
-        done = without_driver(*reconstruct_arguments(capture(), scratch() / "none.arl"), "--backend", "gpu")
+        done = without_driver(*reconstruct_arguments(capture(), scratch() / "failed.arl"), "--backend", "gpu")
         self.assertEqual(done.returncode, 1)
         self.assertIn("no driver is installed", done.stderr)
-        self.assertFalse((scratch() / "none.arl").exists())
+        self.assertFalse((scratch() / "failed.arl").exists())
 
     def test_without_a_driver_auto_takes_the_cpu_and_says_why(self):
         done = without_driver(*reconstruct_arguments(capture(), scratch() / "none.arl"))
