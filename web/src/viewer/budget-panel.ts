@@ -62,12 +62,6 @@ export class BudgetPanel {
         this.rescale();
     }
 
-    /** Shows what a mesh of so many vertices is in the kind of budget that is chosen. */
-    showMesh(vertices: number): void {
-        if (this.current && kindOf(this.current) === this.kind) return;
-        this.write(this.valueFor(vertices));
-    }
-
     private setKind(kind: BudgetKind): void {
         const before = this.current && this.verticesOf(this.current);
         this.press(kind);
