@@ -2,7 +2,7 @@ import type { CameraInfo, Cameras } from "./api.js";
 import { fittedRectangle } from "./camera-view.js";
 import type { Size } from "./camera-view.js";
 import { h, icon, icons } from "./dom.js";
-import type { PhotographView } from "./model-view.js";
+import type { PhotographView } from "./photograph-camera.js";
 import { showPicture } from "./server-file.js";
 
 /** The input photographs as a strip, and the one that is looked through, behind the mesh or blended over it. */
