@@ -298,6 +298,61 @@ test("Gallery: the model is there with a picture of its first kilobytes", () =>
         await settled(page);
     }));
 
+test("Model page: the first 8,192 bytes make a picture, before the colours and the rest have come", () =>
+    withPage({}, async (page) => {
+        const { layout, mesh } = decodeLog(log, draco, { vertices: 1 });
+        const [base, colours] = layout.index.map(({ end }) => layout.framesBegin + end);
+        assert.ok(base <= 8192 && colours > 8192, `the base is in them, its colours are not, got ends at ${base} and ${colours}`);
+        let release;
+        const released = new Promise((resolve) => (release = resolve));
+        await page.route(`**/v1/models/${id}/log`, async (route) => {
+            if (route.request().headers()["range"] !== "bytes=0-8191") await released;
+            await route.continue();
+        });
+        await page.goto(`${proxy.url}/models/${id}`);
+        const drawn = () => page.evaluate(() => performance.getEntriesByName("drawn").map(({ detail }) => detail));
+        await page.waitForFunction(() => performance.getEntriesByName("drawn").length > 0);
+        await page.waitForFunction(() => document.querySelector("main.model").dataset.bytes);
+        await page.locator(".thumb").first().waitFor(); // the view is then the one that stays
+        const first = await drawnPixels(page, "first-picture");
+        assert.equal(await data(page, "bytes"), "8192");
+        assert.equal(await data(page, "hash"), hex(mesh.stateHash));
+        assert.deepEqual(await drawn(), [mesh.nVertices]);
+        assert.ok(first.mesh > 0.05 * first.all, `the mesh is seen, got ${first.mesh} of ${first.all} pixels`);
+        assert.equal(first.coloured, 0, "and has no colours yet");
+        release();
+        await settled(page);
+        await page.waitForFunction((n) => performance.getEntriesByName("drawn").at(-1).detail === n, most);
+        const last = await drawnPixels(page, "first-picture-coloured");
+        assert.ok(last.coloured > 0.1 * last.mesh, `the colours have come, got ${last.coloured} of ${last.mesh} pixels`);
+    }));
+
+/** Counts pixels of the stage: all of them, those that the mesh covers, and of these the ones that are no shade of grey. */
+async function drawnPixels(page, name) {
+    await page.evaluate(() => {
+        const stage = document.querySelector(".stage");
+        for (const part of stage.querySelectorAll(":scope > :not(canvas)")) part.style.visibility = "hidden";
+        stage.style.background = "rgb(255, 0, 255)";
+    });
+    await picture(page, name);
+    const shot = await page.screenshot({ clip: await page.locator(".stage canvas").boundingBox() });
+    return page.evaluate(async (base64) => {
+        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        context.drawImage(image, 0, 0);
+        const { data } = context.getImageData(0, 0, image.width, image.height);
+        let [mesh, coloured] = [0, 0];
+        for (let i = 0; i < data.length; i += 4) {
+            const [r, g, b] = data.subarray(i, i + 3);
+            if (r > 200 && g < 60 && b > 200) continue;
+            ++mesh;
+            if (Math.abs(r - b) > 40) ++coloured;
+        }
+        return { all: image.width * image.height, mesh, coloured };
+    }, shot.toString("base64"));
+}
+
 test("Model page: budgets up and down are the meshes that any reader decodes, by one request each raise", () =>
     withPage({}, async (page) => {
         const ranges = [];
