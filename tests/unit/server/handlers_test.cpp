@@ -277,7 +277,8 @@ TEST_CASE("Photographs: each comes out of the zip as it went in, also from a fol
     Fixture f;
     const TemporaryFolder folder;
     const auto zip = folder.path() / "capture.zip";
-    const std::string png = "\x89PNG\r\n\x1A\n" + std::string("\0\0\0\rIHDR\0\0\0\4\0\0\0\3\b\2\0\0\0rest", 29);
+    using namespace std::string_literals;  // keep the zeros
+    const std::string png = "\x89PNG\r\n\x1A\n\0\0\0\rIHDR\0\0\0\4\0\0\0\3\b\2\0\0\0rest"s;
     {
         ZipWriter writer(zip);
         const auto camera = [](const std::string& file) {
