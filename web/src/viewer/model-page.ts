@@ -90,7 +90,7 @@ class ModelPage {
                 if (info.bytes === 0) return;
                 const wanted = this.budget ? { budget: this.budget } : { budget: everything, bytesWanted: info.bytes };
                 await openModel(modelUrl(this.id), { ...options, ...wanted });
-                this.showRows();
+                if (!this.model?.isSealed) this.showRows();
                 this.settled();
             } else {
                 this.stopWatching = watchModel(this.id, (now) => this.showInfo(now), () => this.stage.notice.say(deletedSentence));
@@ -116,6 +116,8 @@ class ModelPage {
     private take(event: ModelEvent): void {
         if (event.type === "mesh") {
             this.stage.begin();
+            this.showRows(); // a sealed log has all of them in front of its base
+            this.showStatistics();
         } else if (event.type === "change") {
             this.stage.take();
             if (!this.model?.isSealed) this.showRows();

@@ -111,12 +111,10 @@ export class ModelStage {
         if (!mesh || !this.view) return;
         this.view.begin(mesh);
         this.view.take();
-        if (!mesh.hasColours && this.shadingBar.shading === "colour") this.view.setShading("plain");
     }
 
     /** The model has changed. */
     take(): void {
-        if (this.model?.mesh?.hasColours) this.view?.setShading(this.shadingBar.shading);
         this.view?.take();
     }
 

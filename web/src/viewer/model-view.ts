@@ -1,4 +1,5 @@
 import { Group, LineSegments, Mesh, Scene, Sphere, Vector2, Vector3 } from "three";
+import type { Camera } from "three";
 
 import type { Model, ProgressiveMesh } from "../client/index.js";
 import { boundingSphere } from "./bounding-sphere.js";
@@ -7,13 +8,13 @@ import { acquireDrawing, releaseDrawing } from "./drawing.js";
 import type { Drawing } from "./drawing.js";
 import { FrameRate } from "./frame-rate.js";
 import { MorphGeometry } from "./morph-geometry.js";
-import { MorphProgress } from "./morph-progress.js";
 import { OrbitCamera } from "./orbit-camera.js";
 import type { Pose } from "./orbit-camera.js";
 import { orbitByKeys } from "./orbit-keys.js";
 import { PhotographCamera } from "./photograph-camera.js";
 import type { PhotographView } from "./photograph-camera.js";
 import type { Shading } from "./shading.js";
+import { Transition } from "./transition.js";
 
 /** Changes that wait for the last ones to be drawn: where drawing is slow, one upload for all; more would be a long task. */
 const mostPending = 4;
@@ -31,7 +32,10 @@ export class ModelView {
     private readonly scene = new Scene();
     private readonly placed = new Group();
     private readonly morphing = new MorphGeometry();
-    private readonly morph = new MorphProgress();
+    private readonly morph = new Transition();
+    /** From the plain surface to its colours, once it has some. */
+    private readonly colouring = new Transition();
+    private isColoured = false;
     private readonly edges: LineSegments;
     private readonly orbit: OrbitCamera;
     private readonly releaseKeys: () => void;
@@ -43,8 +47,9 @@ export class ModelView {
     private bounds = new Sphere(new Vector3(), 1);
     private photograph: PhotographCamera | undefined;
     private dirty = true;
-    /** Changes that were told and not taken. */
+    /** Changes that were told and not taken, and whether some were taken and not drawn. */
     private nPending = 0;
+    private hasUndrawn = false;
     private heatStale = false;
     private showsHeat = false;
     private verticesDrawn = 0;
@@ -88,6 +93,7 @@ export class ModelView {
         this.morphing.clear();
         this.morph.end();
         this.nPending = 0;
+        this.hasUndrawn = this.isColoured = false;
         const { origin, unit } = mesh.grid;
         this.placed.position.set(...origin);
         this.placed.scale.setScalar(unit);
@@ -98,7 +104,7 @@ export class ModelView {
     /** The model has changed: the next frames go there. */
     take(): void {
         ++this.nPending;
-        if (!this.dirty || this.nPending >= mostPending) this.upload(performance.now());
+        if (!this.hasUndrawn || this.nPending >= mostPending) this.copyChanges();
     }
 
     /** The next heat map is measured from the mesh as it is now. */
@@ -162,17 +168,18 @@ export class ModelView {
         const { width, height } = size;
         const whole = this.renderer.getSize(new Vector2());
         this.orbit.fitInto(size);
-        this.upload(performance.now());
+        this.copyChanges();
         this.morph.end();
-        this.materials.setMorph(1);
+        this.colouring.end();
         this.renderer.setViewport(0, 0, width, height);
-        this.renderer.render(this.scene, this.orbit.toCamera());
+        this.draw(performance.now(), this.orbit.toCamera());
         this.renderer.setViewport(0, 0, whole.x, whole.y);
         const ratio = this.renderer.getPixelRatio();
         return { left: 0, top: this.canvas.height - ratio * height, width: ratio * width, height: ratio * height };
     }
 
     dispose(): void {
+        this.model = undefined;
         cancelAnimationFrame(this.frame);
         this.resize.disconnect();
         this.releaseKeys();
@@ -193,18 +200,27 @@ export class ModelView {
         this.frame = requestAnimationFrame(this.tick);
         this.frameRate.count(now);
         this.orbit.update();
-        if (this.nPending > 0) {
-            this.upload(now);
-        } else if (this.heatStale && this.showsHeat && this.mesh) {
+        if (this.nPending === 0 && this.heatStale && this.showsHeat && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
-        if (this.morph.isRunning(now)) this.dirty = true;
+        if (this.morph.isRunning(now) || this.colouring.isRunning(now)) this.dirty = true;
         if (!this.dirty || !this.mesh) return;
         this.dirty = false;
-        this.materials.setMorph(this.morph.at(now));
-        this.renderer.render(this.scene, this.photograph?.at(this.canvasSize, this.bounds) ?? this.orbit.toCamera());
+        this.draw(now, this.photograph?.at(this.canvasSize, this.bounds) ?? this.orbit.toCamera());
+        this.hasUndrawn = false;
         this.markDrawn(this.morphing.vertexCount);
+        if (this.nPending > 0) setTimeout(this.copyPending); // in a task of its own, not in that of a frame
+    };
+
+    private draw(now: number, camera: Camera): void {
+        this.materials.setMorph(this.morph.at(now));
+        this.materials.setColoured(this.isColoured ? this.colouring.at(now) : 0);
+        this.renderer.render(this.scene, camera);
+    }
+
+    private readonly copyPending = (): void => {
+        if (this.nPending > 0) this.copyChanges();
     };
 
     /** For whoever measures: when how many vertices were drawn first. */
@@ -215,14 +231,20 @@ export class ModelView {
     }
 
     /** Takes what has changed, and begins a morph from where the last one has come to. */
-    private upload(now: number): void {
+    private copyChanges(): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
         this.nPending = 0;
+        const now = performance.now();
         const isFirst = this.morphing.vertexCount === 0; // it has nothing to come from
         this.morphing.update(this.model, this.model.takeChanges(), this.morph.at(now));
         if (isFirst) this.morph.end();
         else this.morph.begin(now);
-        this.dirty = true;
+        if (this.mesh.hasColours && !this.isColoured) {
+            this.isColoured = true;
+            if (isFirst) this.colouring.end();
+            else this.colouring.begin(now);
+        }
+        this.dirty = this.hasUndrawn = true;
     }
 
     private get canvasSize(): Size {

@@ -1,8 +1,8 @@
 const duration = 420; // ms
 const reducedDuration = 1; // ms
 
-/** How far a morph has come; for those who want less motion, at its end at once. */
-export class MorphProgress {
+/** How far what is drawn has gone from one state to the next; for those who want less motion, all the way at once. */
+export class Transition {
     private readonly reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
     private began = -Infinity;
 
