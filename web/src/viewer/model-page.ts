@@ -1,6 +1,6 @@
 import { followModel, openModel, ServerError } from "../client/index.js";
 import type { Budget, LiveStatus, Model, ModelEvent } from "../client/index.js";
-import { cancelModel, getCameras, getModel, isFinal, knownModel, modelUrl, watchModel } from "./api.js";
+import { cancelModel, getCameras, getModel, hasThumbnails, isFinal, knownModel, modelUrl, watchModel } from "./api.js";
 import type { ModelInfo } from "./api.js";
 import { h } from "./dom.js";
 import { draco } from "./draco.js";
@@ -34,6 +34,7 @@ class ModelPage {
     private model: Model | undefined;
     private budget: Budget | undefined;
     private info: ModelInfo | undefined;
+    private isOpened = false;
     private timer: ReturnType<typeof setTimeout> | undefined;
     private clock: ReturnType<typeof setInterval> | undefined;
     private stopWatching: () => void = () => {};
@@ -62,7 +63,8 @@ class ModelPage {
         await new Promise((resolve) => setTimeout(resolve)); // so that the request leaves before the view is made
         if (!this.stop.signal.aborted) this.stage.openView();
         await Promise.all([this.openPhotographs(), opened]);
-        this.stage.showPictures();
+        this.isOpened = true;
+        this.showPictures();
     }
 
     dispose(): void {
@@ -100,6 +102,11 @@ class ModelPage {
         } catch (error) {
             this.sayFailure(error, () => void this.openModel());
         }
+    }
+
+    /** They wait for the model itself, and until they are there. */
+    private showPictures(): void {
+        if (this.isOpened && hasThumbnails(this.info!)) this.stage.showPictures();
     }
 
     private async openPhotographs(): Promise<void> {
@@ -198,6 +205,7 @@ class ModelPage {
         this.info = info;
         this.stage.showProgress(info);
         this.side.showState(info);
+        this.showPictures();
         if (info.state === "failed") this.stage.notice.say(failedSentence(info.error));
         if (info.state === "cancelled") this.stage.notice.say(cancelledSentence);
         this.showDownloads();

@@ -95,7 +95,7 @@ export class ModelStage {
         if (this.shared.photograph !== undefined) void this.photos.enter(this.shared.photograph);
     }
 
-    /** Loads the small pictures of the photographs: they are to wait for the model itself. */
+    /** Loads the small pictures of the photographs, once. */
     showPictures(): void {
         this.photos?.showPictures();
     }
