@@ -9,7 +9,7 @@ import test, { after, before } from "node:test";
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
 
-const patience = 60_000; // ms, far above what is needed
+const patience = 180_000; // ms, far above what is needed, also on a machine that others use
 const nVertices = 3000;
 const scratch = scratchFolder();
 const capture = join(scratch.path, "capture");
@@ -323,6 +323,7 @@ test("Model page: the first 8,192 bytes make a picture, before the colours and t
         release();
         await settled(page);
         await page.waitForFunction((n) => performance.getEntriesByName("drawn").at(-1).detail === n, most);
+        await page.waitForTimeout(600); // of the colours that come out of the plain surface
         const last = await drawnPixels(page, "first-picture-coloured");
         assert.ok(last.coloured > 0.1 * last.mesh, `the colours have come, got ${last.coloured} of ${last.mesh} pixels`);
     }));
@@ -392,6 +393,20 @@ test("Model page: the curve and the slider lead to budgets, by keys too", () =>
         const { width, height } = await plot.boundingBox();
         await plot.click({ position: { x: width - 3, y: height / 2 } });
         await reached(most);
+    }));
+
+test("Model page: the strip loads small copies of the photographs, and a photograph itself when it is looked through", () =>
+    withPage({}, async (page) => {
+        const asked = [];
+        page.on("request", (request) => asked.push(/\/(thumbnails|photographs)\/\d+$/.exec(request.url())?.[0]));
+        await page.goto(`${proxy.url}/models/${id}`);
+        await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
+        const { width, height } = await page.locator(".thumb img").first().evaluate(({ naturalWidth, naturalHeight }) => ({ width: naturalWidth, height: naturalHeight }));
+        assert.deepEqual([width, height], [216, 162]);
+        assert.deepEqual(asked.filter((path) => path?.startsWith("/photographs/")), []);
+        await page.locator(".thumb").nth(1).click();
+        await page.locator("img.photograph").waitFor();
+        assert.deepEqual(asked.filter((path) => path?.startsWith("/photographs/")), ["/photographs/1"]);
     }));
 
 test("Model page: through a photograph's camera the mesh covers what the photograph's mask covers", () =>
