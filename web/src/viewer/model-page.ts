@@ -90,6 +90,7 @@ class ModelPage {
         try {
             if (isFinal(info)) {
                 if (info.bytes === 0) return;
+                this.element.setAttribute("aria-busy", "true");
                 const wanted = this.budget ? { budget: this.budget } : { budget: everything, bytesWanted: info.bytes };
                 await openModel(modelUrl(this.id), { ...options, ...wanted });
                 if (!this.model?.isSealed) this.showRows();
@@ -235,6 +236,7 @@ class ModelPage {
     /** @param again tries once more, where a visitor may ask for that */
     private sayFailure(error: unknown, again?: () => void): void {
         if (this.stop.signal.aborted) return;
+        this.element.removeAttribute("aria-busy");
         if (error instanceof ServerError) wantsToken(error.status);
         this.stage.notice.show(failureMessage(error, this.info !== undefined, again));
     }

@@ -18,6 +18,10 @@ import { Transition } from "./transition.js";
 
 /** Changes that wait for the last ones to be drawn: where drawing is slow, one upload for all; more would be a long task. */
 const mostPending = 4;
+/** A frame that takes longer is dear, as where no graphics card draws it; ms. */
+const dearFrame = 35;
+/** More of a model is coming if some came no longer ago, ms. */
+const comingTime = 100;
 
 /** Draws one model: its surface, as it refines, from any side or through a photograph's camera. */
 export class ModelView {
@@ -50,6 +54,7 @@ export class ModelView {
     /** Changes that were told and not taken, and whether some were taken and not drawn. */
     private nPending = 0;
     private hasUndrawn = false;
+    private lastTold = -Infinity;
     private heatStale = false;
     private showsHeat = false;
     private verticesDrawn = 0;
@@ -104,6 +109,7 @@ export class ModelView {
     /** The model has changed: the next frames go there. */
     take(): void {
         ++this.nPending;
+        this.lastTold = performance.now();
         if (!this.hasUndrawn || this.nPending >= mostPending) this.copyChanges();
     }
 
@@ -205,13 +211,18 @@ export class ModelView {
             this.morphing.measureHeat(this.mesh);
         }
         if (this.morph.isRunning(now) || this.colouring.isRunning(now)) this.dirty = true;
-        if (!this.dirty || !this.mesh) return;
+        if (!this.dirty || !this.mesh || this.sparesFrame(now)) return;
         this.dirty = false;
         this.draw(now, this.photograph?.at(this.canvasSize, this.bounds) ?? this.orbit.toCamera());
         this.hasUndrawn = false;
         this.markDrawn(this.morphing.vertexCount);
         if (this.nPending > 0) setTimeout(this.copyPending); // in a task of its own, not in that of a frame
     };
+
+    /** A dear frame that would only show more of a morph, while the next change is near, is left out: it would delay that. */
+    private sparesFrame(now: number): boolean {
+        return !this.hasUndrawn && this.frameRate.interval > dearFrame && now - this.lastTold < comingTime;
+    }
 
     private draw(now: number, camera: Camera): void {
         this.materials.setMorph(this.morph.at(now));
