@@ -558,14 +558,34 @@ test("Model page: with reduced motion a step is there at once", () =>
         assert.equal(difference, 0, "nothing moves any more");
     }));
 
-test("Model page: on a phone and in the dark nothing is cut off", () =>
-    withPage({ viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, async (page) => {
-        await page.goto(`${proxy.url}/models/${id}`);
-        await settled(page);
-        const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-        assert.ok(overflow <= 0, `expected no sideways scrolling, got ${overflow} px`);
-        await picture(page, "model-phone-dark");
-    }));
+for (const [device, viewport] of [["phone", { width: 390, height: 844 }], ["desktop", { width: 1280, height: 820 }]]) {
+    for (const colorScheme of ["light", "dark"]) {
+        test(`Pages: on a ${device}, ${colorScheme}, nothing is cut off`, () =>
+            withPage({ viewport, colorScheme, hasTouch: device === "phone" }, async (page) => {
+                const check = async (name) => {
+                    await page.waitForTimeout(600); // of what fades in
+                    await picture(page, `${name}-${device}-${colorScheme}`);
+                    const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+                    assert.ok(overflow <= 0, `${name}: expected no sideways scrolling, got ${overflow} px`);
+                    const dark = await page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).every((c) => c < 128));
+                    assert.equal(dark, colorScheme === "dark", name);
+                };
+                await page.goto(proxy.url);
+                await page.locator("canvas.painted").waitFor();
+                await check("gallery");
+                await page.goto(`${proxy.url}/?new`);
+                await page.locator("input[webkitdirectory]").setInputFiles(capture);
+                await page.getByText("10 photographs").waitFor();
+                await check("upload");
+                await page.goto(`${proxy.url}/models/${id}`);
+                await settled(page);
+                await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
+                await check("model");
+                await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+                await check("model-below");
+            }));
+    }
+}
 
 test("Trouble: a damaged log is said to be, and the mesh before it stays", () =>
     withPage({}, async (page) => {
