@@ -30,6 +30,7 @@ void write_thumbnails(const Capture& capture, const std::filesystem::path& zip, 
         1);
     std::filesystem::path part = zip;
     part += "." + std::to_string(epoch);
+    create_file(part);  // with the mode of the other files of a model
     ZipWriter writer(part);
     for (std::size_t i = 0; i < thumbnails.size(); ++i)
         writer.add(thumbnail_name(i), std::as_bytes(std::span(thumbnails[i])));
