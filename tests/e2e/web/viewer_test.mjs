@@ -8,6 +8,8 @@ import test, { after, before } from "node:test";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+import { differenceOf, drawnPixels, overlapOf } from "./pictures.mjs";
+import { framesOfSockets } from "./socket_frames.mjs";
 
 const patience = 180_000; // ms, far above what is needed, also on a machine that others use
 const nVertices = 3000;
@@ -162,31 +164,6 @@ test("Upload: it goes on where it was left, and becomes a model that refines bef
         logs.assertEachOnce();
     }));
 
-/** Which frames came over the page's WebSockets, by the log they belong to. */
-function framesOfSockets(page) {
-    const frames = []; // {logId, sequence}
-    page.on("websocket", (socket) => {
-        let logId;
-        socket.on("framereceived", ({ payload }) => {
-            if (typeof payload === "string") {
-                logId = JSON.parse(payload).log_id ?? logId;
-                return;
-            }
-            for (let at = payload.readUInt16LE(0) === 0x4c50 ? 0 : 96; at + 28 <= payload.length; at += 28 + payload.readUInt32LE(at + 4)) {
-                frames.push({ logId, sequence: payload.readUInt32LE(at + 8) });
-            }
-        });
-    });
-    return {
-        assertEachOnce: () => {
-            const keys = frames.map(({ logId, sequence }) => `${logId} ${sequence}`);
-            assert.deepEqual(keys.filter((key, i) => keys.indexOf(key) !== i), [], "no frame came twice");
-            const last = frames.filter(({ logId }) => logId === frames.at(-1).logId).map(({ sequence }) => sequence);
-            assert.deepEqual(last, last.map((_, i) => i), "and none was left out");
-        },
-    };
-}
-
 /** A zip of the capture. */
 function zippedCapture() {
     const zip = join(scratch.path, "capture.zip");
@@ -314,7 +291,8 @@ test("Model page: the first 8,192 bytes make a picture, before the colours and t
         await page.waitForFunction(() => performance.getEntriesByName("drawn").length > 0);
         await page.waitForFunction(() => document.querySelector("main.model").dataset.bytes);
         await page.locator(".thumb").first().waitFor(); // the view is then the one that stays
-        const first = await drawnPixels(page, "first-picture");
+        const first = await drawnPixels(page);
+        await picture(page, "first-picture");
         assert.equal(await data(page, "bytes"), "8192");
         assert.equal(await data(page, "hash"), hex(mesh.stateHash));
         assert.deepEqual(await drawn(), [mesh.nVertices]);
@@ -324,35 +302,10 @@ test("Model page: the first 8,192 bytes make a picture, before the colours and t
         await settled(page);
         await page.waitForFunction((n) => performance.getEntriesByName("drawn").at(-1).detail === n, most);
         await page.waitForTimeout(600); // of the colours that come out of the plain surface
-        const last = await drawnPixels(page, "first-picture-coloured");
+        const last = await drawnPixels(page);
+        await picture(page, "first-picture-coloured");
         assert.ok(last.coloured > 0.1 * last.mesh, `the colours have come, got ${last.coloured} of ${last.mesh} pixels`);
     }));
-
-/** Counts pixels of the stage: all of them, those that the mesh covers, and of these the ones that are no shade of grey. */
-async function drawnPixels(page, name) {
-    await page.evaluate(() => {
-        const stage = document.querySelector(".stage");
-        for (const part of stage.querySelectorAll(":scope > :not(canvas)")) part.style.visibility = "hidden";
-        stage.style.background = "rgb(255, 0, 255)";
-    });
-    await picture(page, name);
-    const shot = await page.screenshot({ clip: await page.locator(".stage canvas").boundingBox() });
-    return page.evaluate(async (base64) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
-        context.drawImage(image, 0, 0);
-        const { data } = context.getImageData(0, 0, image.width, image.height);
-        let [mesh, coloured] = [0, 0];
-        for (let i = 0; i < data.length; i += 4) {
-            const [r, g, b] = data.subarray(i, i + 3);
-            if (r > 200 && g < 60 && b > 200) continue;
-            ++mesh;
-            if (Math.abs(r - b) > 40) ++coloured;
-        }
-        return { all: image.width * image.height, mesh, coloured };
-    }, shot.toString("base64"));
-}
 
 test("Model page: budgets up and down are the meshes that any reader decodes, by one request each raise", () =>
     withPage({}, async (page) => {
@@ -437,29 +390,38 @@ test("Model page: through a photograph's camera the mesh covers what the photogr
         await page.locator("img.photograph").waitFor({ state: "hidden" });
     }));
 
-/**
- * In the page: intersection over union of what is not magenta in one picture and what is white in the other, which is
- * shifted by some pixels.
- */
-async function overlapOf([shown, mask, dx, dy]) {
-    const [width, height] = [320, 240];
-    const pixels = async (base64, x, y) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-        const context = new OffscreenCanvas(width, height).getContext("2d");
-        context.drawImage(image, x, y, width, height);
-        return context.getImageData(0, 0, width, height).data;
-    };
-    const [a, b] = [await pixels(shown, 0, 0), await pixels(mask, dx, dy)];
-    let [both, either] = [0, 0];
-    for (let i = 0; i < a.length; i += 4) {
-        const isMesh = !(a[i] > 200 && a[i + 1] < 60 && a[i + 2] > 200);
-        const isMask = b[i] > 127;
-        if (isMesh && isMask) ++both;
-        if (isMesh || isMask) ++either;
-    }
-    return both / either;
-}
+test("Model page: edges and the map of the last step are drawn, and go again", () =>
+    withPage({ reducedMotion: "reduce" }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?vertices=2600&shading=plain`);
+        await settled(page);
+        const stage = await page.locator(".stage canvas").boundingBox();
+        const shown = async (name) => {
+            await page.waitForTimeout(300); // of a few frames
+            await picture(page, name);
+            return (await page.screenshot({ clip: stage })).toString("base64");
+        };
+        const difference = (a, b) => page.evaluate(differenceOf, [a, b]);
+        const edges = page.getByRole("button", { name: "Edges" });
+        const plain = await shown("plain");
+        await edges.click();
+        const withEdges = await shown("edges");
+        assert.ok((await difference(plain, withEdges)) > 1, "edges are seen");
+        await edges.click();
+        assert.ok((await difference(plain, await shown("edges-gone"))) < 0.1, "and go, but for the button that is pointed at");
+        await edges.click();
+        await askFor(page, most);
+        await shown("edges-finer");
+        await edges.click();
+        const finer = await shown("plain-finer");
+        await page.getByRole("button", { name: "Last step" }).click();
+        await shown("last-step");
+        const { mesh, coloured } = await drawnPixels(page);
+        assert.ok(coloured > 0.05 * mesh && coloured < 0.9 * mesh, `what the step changed is marked, got ${coloured} of ${mesh} pixels`);
+        await page.goto("about:blank");
+        await page.goto(`${proxy.url}/models/${id}?vertices=${most}&shading=plain`);
+        await settled(page);
+        assert.ok((await difference(finer, await shown("plain-anew"))) < 0.5, "a page that is opened there shows the same");
+    }));
 
 test("Model page: downloads are the server's bytes at the budget that is shown", () =>
     withPage({}, async (page) => {
@@ -500,20 +462,6 @@ test("Model page: a link opens the same budget, shading and view", () =>
         const difference = await page.evaluate(differenceOf, [before.toString("base64"), afterwards.toString("base64")]);
         assert.ok(difference < 2, `expected the same picture, got a mean difference of ${difference} of 255`);
     }));
-
-/** In the page: mean absolute difference of two pictures' channels. */
-async function differenceOf(pictures) {
-    const [a, b] = await Promise.all(pictures.map(async (base64) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
-        context.drawImage(image, 0, 0);
-        return context.getImageData(0, 0, image.width, image.height).data;
-    }));
-    let sum = 0;
-    for (let i = 0; i < a.length; ++i) sum += Math.abs(a[i] - b[i]);
-    return sum / a.length;
-}
 
 test("Pages: strict policy, a name and a ring for everything that the keyboard reaches", () =>
     withPage({}, async (page) => {

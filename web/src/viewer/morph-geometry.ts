@@ -17,7 +17,7 @@ interface Buffers {
     /** r g b, and in the fourth byte how much the last budget step changed the vertex. */
     readonly tint: BufferAttribute;
     readonly faces: BufferAttribute;
-    /** Two ends for each halfedge: of the edge if its start is the smaller vertex, else of nothing; while edges are shown. */
+    /** Two ends for each halfedge: of the edge if its start is the smaller vertex, else of nothing; once edges are shown. */
     edges: BufferAttribute | undefined;
 }
 
@@ -66,7 +66,7 @@ export class MorphGeometry {
         copyNormals(model.normals, buffers.normal, changes.normals);
         copyColours(mesh, buffers.tint, changes.colours);
         copyFaces(mesh, buffers.faces, changes.faces);
-        if (buffers.edges) copyEdges(mesh.triangles, buffers.edges, changes.faces);
+        if (this.hasEdges && buffers.edges) copyEdges(mesh.triangles, buffers.edges, changes.faces);
         startAtParents(mesh, buffers, known);
         const touched = merged([...moved, ...changes.vertices]);
         uploadRanges(buffers.positionFrom, touched);
@@ -79,12 +79,8 @@ export class MorphGeometry {
 
     /** Keeps the edges up to date from now on, or no longer. */
     showEdges(shown: boolean): void {
+        if (shown && !this.hasEdges && this.buffers) this.copyAllEdges(this.buffers);
         this.hasEdges = shown;
-        if (!this.buffers) return;
-        if (shown && !this.buffers.edges) this.addEdges(this.buffers);
-        if (shown || !this.buffers.edges) return;
-        this.buffers.edges = undefined;
-        this.edgeGeometry.dispose();
     }
 
     /** Remembers the shape from which the heat map of the next step is measured. */
@@ -148,14 +144,15 @@ export class MorphGeometry {
             geometry.boundingSphere = new Sphere(new Vector3(), Infinity); // one object, always in view
         }
         this.geometry.setIndex(faces);
-        if (this.hasEdges) this.addEdges(this.buffers);
+        this.edgeGeometry.setIndex(null);
+        if (this.hasEdges) this.copyAllEdges(this.buffers);
         return this.buffers;
     }
 
-    /** With those of the faces that are there. */
-    private addEdges(buffers: Buffers): void {
+    /** Those of the faces that are there. */
+    private copyAllEdges(buffers: Buffers): void {
         const { array } = buffers.faces;
-        buffers.edges = new BufferAttribute(new Uint32Array(2 * array.length), 1).setUsage(DynamicDrawUsage);
+        buffers.edges ??= new BufferAttribute(new Uint32Array(2 * array.length), 1).setUsage(DynamicDrawUsage);
         copyEdges(array, buffers.edges, [{ first: 0, count: this.nFaces }]);
         this.edgeGeometry.setIndex(buffers.edges);
     }
