@@ -15,6 +15,15 @@ namespace {
 
 constexpr int jpeg_quality = 80;  // of 100
 
+void write(const std::vector<std::vector<std::uint8_t>>& thumbnails, const std::filesystem::path& zip) {
+    create_file(zip);  // with the mode of a model's other files
+    ZipWriter writer(zip);
+    for (std::size_t i = 0; i < thumbnails.size(); ++i)
+        writer.add(thumbnail_name(i), std::as_bytes(std::span(thumbnails[i])));
+    writer.finish();
+    sync_file(open_if_exists(zip));
+}
+
 }  // namespace
 
 std::string thumbnail_name(std::size_t view) { return std::to_string(view) + ".jpg"; }
@@ -30,15 +39,15 @@ void write_thumbnails(const Capture& capture, const std::filesystem::path& zip, 
         1);
     std::filesystem::path part = zip;
     part += "." + std::to_string(epoch);
-    create_file(part);  // with the mode of the other files of a model
-    ZipWriter writer(part);
-    for (std::size_t i = 0; i < thumbnails.size(); ++i)
-        writer.add(thumbnail_name(i), std::as_bytes(std::span(thumbnails[i])));
-    writer.finish();
-    sync_file(open_if_exists(part));
-    std::error_code error;
-    std::filesystem::rename(part, zip, error);
-    if (error) throw IoError("cannot put " + zip.string() + " in its place: " + error.message());
+    try {
+        write(thumbnails, part);
+        std::error_code error;
+        std::filesystem::rename(part, zip, error);
+        if (error) throw IoError("cannot put " + zip.string() + " in its place: " + error.message());
+    } catch (const IoError&) {
+        remove_file(part);
+        throw;
+    }
 }
 
 }  // namespace anyrate
