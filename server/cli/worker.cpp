@@ -110,6 +110,7 @@ int work(const WorkerArguments& arguments) {
     run_job(
         {.model_id = arguments.model_id,
          .capture = paths.capture,
+         .thumbnails = paths.thumbnails,
          .options = arguments.options,
          .epoch = arguments.epoch},
         real_job_steps(backend.factory), store,
