@@ -8,10 +8,12 @@
 namespace anyrate {
 
 SqliteDatabase::SqliteDatabase(const std::filesystem::path& file) {
-    if (sqlite3_open(file.c_str(), &handle_) == SQLITE_OK) return;
-    const std::string sentence = "cannot open " + file.string() + ": " + sqlite3_errmsg(handle_);
-    sqlite3_close(handle_);
-    throw IoError(sentence);
+    if (sqlite3_open(file.c_str(), &handle_) != SQLITE_OK) {
+        const std::string sentence = "cannot open " + file.string() + ": " + sqlite3_errmsg(handle_);
+        sqlite3_close(handle_);
+        throw IoError(sentence);
+    }
+    sqlite3_busy_timeout(handle_, 5000);
 }
 
 void SqliteDatabase::run_script(const char* sql) {

@@ -12,7 +12,7 @@ namespace anyrate {
 /// The SQLite database of a catalog, open. What fails throws IoError, or DiskFull where the disk has no room.
 class SqliteDatabase {
 public:
-    /// Opens `file`, or makes it.
+    /// Opens `file`, or makes it; waits up to 5 s for other processes that write to it.
     explicit SqliteDatabase(const std::filesystem::path& file);
     ~SqliteDatabase() { sqlite3_close(handle_); }
     SqliteDatabase(const SqliteDatabase&) = delete;

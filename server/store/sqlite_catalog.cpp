@@ -80,7 +80,6 @@ struct SqliteCatalog::State {
 };
 
 SqliteCatalog::SqliteCatalog(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {
-    sqlite3_busy_timeout(state_->database.handle(), 5000);
     // FULL: an acknowledged upload survives a power cut, not only a crash of the process.
     state_->database.run_script("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
     bring_up_to_date(state_->database, file);
