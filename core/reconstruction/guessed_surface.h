@@ -42,11 +42,11 @@ struct EvidenceOptions {
 /// The points of the visual hull, without those that views see through.
 struct SilhouettePoints {
     std::span<const OrientedPoint> all;
-    std::span<const OrientedPoint> seen;  ///< those that face enough views
+    std::span<const OrientedPoint> seen;  ///< those that enough views look at
 };
 
 /// The vertices of `surface` that neither a silhouette nor the depth maps show.
-/// @param unseen  one flag a vertex: 1 where only points that face enough views count, see unseen_vertices()
+/// @param unseen  one flag a vertex: 1 where only the seen points count, see unseen_vertices()
 std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const char> unseen,
                                           const SilhouettePoints& silhouette, std::span<const DepthMap> maps,
                                           const EvidenceOptions& options);

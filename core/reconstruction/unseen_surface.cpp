@@ -12,10 +12,15 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+bool contains(const PhotoLevel& image, const Vec3& position) {
+    const Vec3 x = image.P * position.homogeneous();
+    return x.z() > 0 && x.x() >= 0 && x.y() >= 0 && x.x() <= image.width * x.z() && x.y() <= image.height * x.z();
+}
+
 bool is_unseen(const Vec3& position, const Vec3& normal, const PhotoImages& images, const UnseenOptions& options) {
     const auto looks = [&](const PhotoView& view) {
         const Vec3 way = view.centre - position;
-        return way.dot(normal) > options.least_cos * way.norm();
+        return way.dot(normal) > options.least_cos * way.norm() && contains(view.levels.front(), position);
     };
     return std::ranges::count_if(images.views, looks) < options.n_views;
 }

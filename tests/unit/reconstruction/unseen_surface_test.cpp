@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
@@ -11,14 +12,26 @@ using namespace anyrate;
 
 namespace {
 
-/// Views on a circle above the origin.
-PhotoImages ring_of_views(double height) {
-    constexpr int n_views = 8;
+/// An image of 100 x 100 pixels with the origin in its middle.
+PhotoLevel image_of_origin(const Vec3& centre, double focal_px) {
+    const Vec3 forward = -centre.normalized(), right = forward.cross(Vec3::UnitZ()).normalized();
+    Mat34 pose;
+    pose.leftCols<3>() << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+    pose.col(3) = -pose.leftCols<3>() * centre;
+    Mat3 K;
+    K << focal_px, 0, 50, 0, focal_px, 50, 0, 0, 1;
+    return {.width = 100, .height = 100, .P = K * pose, .rgba = {}};
+}
+
+/// Views on a circle above the origin; of a sphere of radius 1 they contain all with a focal length of 100 pixels.
+PhotoImages ring_of_views(double height, double focal_px = 100) {
+    constexpr int n_views = 24;
     PhotoImages images;
     for (int i = 0; i < n_views; ++i) {
         const double angle = 2 * std::numbers::pi * i / n_views;
         PhotoView view;
         view.centre = Vec3(5 * std::cos(angle), 5 * std::sin(angle), height);
+        view.levels.push_back(image_of_origin(view.centre, focal_px));
         images.views.push_back(view);
     }
     return images;
@@ -64,7 +77,17 @@ TEST_CASE("Unseen surface: a part of less than the least share of the area is le
     CHECK(unseen == std::vector<char>(unseen.size(), 0));
 }
 
-TEST_CASE("Unseen surface: points that face too few views are dropped") {
+TEST_CASE("Unseen surface: what lies beyond the images") {
+    const Mesh mesh = icosphere(4);
+    const std::vector<char> unseen =
+        unseen_vertices(mesh, ring_of_views(0.0, 400));  // 0.6 to each side, where it shows
+    for (std::size_t v = 0; v < unseen.size(); ++v) {
+        if (std::abs(mesh.vertices[v].z()) > 0.75) CHECK(unseen[v] == 1);
+        if (std::abs(mesh.vertices[v].z()) < 0.3) CHECK(unseen[v] == 0);
+    }
+}
+
+TEST_CASE("Unseen surface: points that too few views look at are dropped") {
     const std::vector<OrientedPoint> points = {{Vec3(0, 0, 1), Vec3(0, 0, 1), 1}, {Vec3(0, 0, -1), Vec3(0, 0, -1), 1}};
     const std::vector<OrientedPoint> seen = without_unseen(points, ring_of_views(3.0));
     REQUIRE(seen.size() == 1);
