@@ -70,6 +70,18 @@ MaskImage to_mask(const cv::Mat& pixels, Channel smallest_object_value) {
     return mask;
 }
 
+cv::Mat to_bgr(const ColourImage& image) {
+    cv::Mat pixels(image.height, image.width, CV_8UC3);
+    std::size_t i = 0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const Rgb8 colour = image.pixels[i++];
+            pixels.at<cv::Vec3b>(y, x) = {colour.b, colour.g, colour.r};
+        }
+    }
+    return pixels;
+}
+
 std::vector<std::uint8_t> encode_png(const cv::Mat& pixels) {
     std::vector<std::uint8_t> bytes;
     cv::imencode(".png", pixels, bytes);
@@ -93,16 +105,12 @@ MaskImage decode_mask(std::span<const std::uint8_t> bytes, const ImageHeader& he
     return to_mask<std::uint8_t>(pixels, header.kind == ImageKind::jpeg ? 128 : 1);
 }
 
-std::vector<std::uint8_t> encode_png(const ColourImage& image) {
-    cv::Mat pixels(image.height, image.width, CV_8UC3);
-    std::size_t i = 0;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            const Rgb8 colour = image.pixels[i++];
-            pixels.at<cv::Vec3b>(y, x) = {colour.b, colour.g, colour.r};
-        }
-    }
-    return encode_png(pixels);
+std::vector<std::uint8_t> encode_png(const ColourImage& image) { return encode_png(to_bgr(image)); }
+
+std::vector<std::uint8_t> encode_jpeg(const ColourImage& image, int quality) {
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", to_bgr(image), bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+    return bytes;
 }
 
 std::vector<std::uint8_t> encode_png(const MaskImage& mask) {

@@ -31,4 +31,7 @@ MaskImage decode_mask(std::span<const std::uint8_t> bytes, const ImageHeader& he
 std::vector<std::uint8_t> encode_png(const ColourImage& image);
 std::vector<std::uint8_t> encode_png(const MaskImage& mask);
 
+/// A JPEG file. @param quality  from 0 to 100, as libjpeg means it
+std::vector<std::uint8_t> encode_jpeg(const ColourImage& image, int quality);
+
 }  // namespace anyrate

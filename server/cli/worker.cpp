@@ -92,6 +92,7 @@ int work(const WorkerArguments& arguments) {
     run_job(
         {.model_id = arguments.model_id,
          .capture = paths.capture,
+         .thumbnails = paths.thumbnails,
          .options = arguments.options,
          .epoch = arguments.epoch},
         real_job_steps(), store,

@@ -23,7 +23,7 @@ constexpr std::size_t chunk = 1 << 20;
 /// lease stays behind: nobody holds one on the copy, and one that was given out since the catalog was copied would keep
 /// out the next.
 std::vector<fs::path> in_copying_order(const ModelPaths& paths) {
-    std::vector<fs::path> files{paths.capture};
+    std::vector<fs::path> files{paths.capture, paths.thumbnails};
     for (const char* suffix : {".mark", ".checkpoint", ".idx", ""}) {
         fs::path file = paths.live_log;
         file += suffix;

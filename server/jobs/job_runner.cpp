@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "server/jobs/durable_sink.h"
 #include "server/jobs/job_journal.h"
+#include "server/jobs/thumbnails.h"
 #include "server/jobs/time_left.h"
 #include "server/store/model_id.h"
 
@@ -104,6 +105,7 @@ public:
         progress_.stage("load");
         Capture capture = steps_.load(job_.capture);
         if (stop_.stop_requested()) return false;
+        if (!job_.thumbnails.empty()) write_thumbnails(capture, job_.thumbnails, job_.epoch);
         try {
             return go_on(std::move(capture), std::move(log));
         } catch (const LogDiverged&) {

@@ -18,6 +18,7 @@ namespace anyrate {
 struct Job {
     std::string model_id;
     std::filesystem::path capture;
+    std::filesystem::path thumbnails{};  ///< where they are to be; empty: none are wanted
     ModelOptions options;
     std::uint64_t epoch = 1;  ///< of the lease
 };

@@ -46,6 +46,7 @@ ModelPaths model_paths(const fs::path& data, const std::string& id) {
     const fs::path folder = data / "models" / id;
     return {.folder = folder,
             .capture = folder / "capture.zip",
+            .thumbnails = folder / "thumbnails.zip",
             .live_log = folder / "log.live",
             .sealed_log = folder / "model.arl",
             .lease = folder / "lease"};

@@ -14,6 +14,7 @@ namespace anyrate {
 struct ModelPaths {
     std::filesystem::path folder;      ///< DATA/models/<id>
     std::filesystem::path capture;     ///< capture.zip, as it was uploaded
+    std::filesystem::path thumbnails;  ///< thumbnails.zip, small copies of its photographs, once a worker has loaded it
     std::filesystem::path live_log;    ///< log.live, beside it log.live.idx: what live clients follow
     std::filesystem::path sealed_log;  ///< model.arl, once the model is done
     std::filesystem::path lease;       ///< the latest lease on the log

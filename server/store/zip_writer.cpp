@@ -3,6 +3,8 @@
 #include <archive.h>
 #include <archive_entry.h>
 
+#include <cerrno>
+
 #include "core/error.h"
 
 namespace anyrate {
@@ -14,7 +16,11 @@ struct ZipWriter::State {
     std::unique_ptr<archive, FreeArchive> zip{archive_write_new()};
 
     void expect_ok(int code) {
-        if (code < ARCHIVE_WARN) throw IoError(std::string("cannot write the zip: ") + archive_error_string(zip.get()));
+        if (code >= ARCHIVE_WARN) return;
+        const std::string message = std::string("cannot write the zip: ") + archive_error_string(zip.get());
+        const int cause = archive_errno(zip.get());
+        if (cause == ENOSPC || cause == EDQUOT) throw DiskFull(message);
+        throw IoError(message);
     }
 };
 

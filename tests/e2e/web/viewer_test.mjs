@@ -8,8 +8,10 @@ import test, { after, before } from "node:test";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+import { differenceOf, drawnPixels, overlapOf } from "./pictures.mjs";
+import { framesOfSockets } from "./socket_frames.mjs";
 
-const patience = 60_000; // ms, far above what is needed
+const patience = 180_000; // ms, far above what is needed, also on a machine that others use
 const nVertices = 3000;
 const scratch = scratchFolder();
 const capture = join(scratch.path, "capture");
@@ -162,31 +164,6 @@ test("Upload: it goes on where it was left, and becomes a model that refines bef
         logs.assertEachOnce();
     }));
 
-/** Which frames came over the page's WebSockets, by the log they belong to. */
-function framesOfSockets(page) {
-    const frames = []; // {logId, sequence}
-    page.on("websocket", (socket) => {
-        let logId;
-        socket.on("framereceived", ({ payload }) => {
-            if (typeof payload === "string") {
-                logId = JSON.parse(payload).log_id ?? logId;
-                return;
-            }
-            for (let at = payload.readUInt16LE(0) === 0x4c50 ? 0 : 96; at + 28 <= payload.length; at += 28 + payload.readUInt32LE(at + 4)) {
-                frames.push({ logId, sequence: payload.readUInt32LE(at + 8) });
-            }
-        });
-    });
-    return {
-        assertEachOnce: () => {
-            const keys = frames.map(({ logId, sequence }) => `${logId} ${sequence}`);
-            assert.deepEqual(keys.filter((key, i) => keys.indexOf(key) !== i), [], "no frame came twice");
-            const last = frames.filter(({ logId }) => logId === frames.at(-1).logId).map(({ sequence }) => sequence);
-            assert.deepEqual(last, last.map((_, i) => i), "and none was left out");
-        },
-    };
-}
-
 /** A zip of the capture. */
 function zippedCapture() {
     const zip = join(scratch.path, "capture.zip");
@@ -298,6 +275,38 @@ test("Gallery: the model is there with a picture of its first kilobytes", () =>
         await settled(page);
     }));
 
+test("Model page: the first 8,192 bytes make a picture, before the colours and the rest have come", () =>
+    withPage({}, async (page) => {
+        const { layout, mesh } = decodeLog(log, draco, { vertices: 1 });
+        const [base, colours] = layout.index.map(({ end }) => layout.framesBegin + end);
+        assert.ok(base <= 8192 && colours > 8192, `the base is in them, its colours are not, got ends at ${base} and ${colours}`);
+        let release;
+        const released = new Promise((resolve) => (release = resolve));
+        await page.route(`**/v1/models/${id}/log`, async (route) => {
+            if (route.request().headers()["range"] !== "bytes=0-8191") await released;
+            await route.continue();
+        });
+        await page.goto(`${proxy.url}/models/${id}`);
+        const drawn = () => page.evaluate(() => performance.getEntriesByName("drawn").map(({ detail }) => detail));
+        await page.waitForFunction(() => performance.getEntriesByName("drawn").length > 0);
+        await page.waitForFunction(() => document.querySelector("main.model").dataset.bytes);
+        await page.locator(".thumb").first().waitFor(); // the view is then the one that stays
+        const first = await drawnPixels(page);
+        await picture(page, "first-picture");
+        assert.equal(await data(page, "bytes"), "8192");
+        assert.equal(await data(page, "hash"), hex(mesh.stateHash));
+        assert.deepEqual(await drawn(), [mesh.nVertices]);
+        assert.ok(first.mesh > 0.05 * first.all, `the mesh is seen, got ${first.mesh} of ${first.all} pixels`);
+        assert.equal(first.coloured, 0, "and has no colours yet");
+        release();
+        await settled(page);
+        await page.waitForFunction((n) => performance.getEntriesByName("drawn").at(-1).detail === n, most);
+        await page.waitForTimeout(600); // of the colours that come out of the plain surface
+        const last = await drawnPixels(page);
+        await picture(page, "first-picture-coloured");
+        assert.ok(last.coloured > 0.1 * last.mesh, `the colours have come, got ${last.coloured} of ${last.mesh} pixels`);
+    }));
+
 test("Model page: budgets up and down are the meshes that any reader decodes, by one request each raise", () =>
     withPage({}, async (page) => {
         const ranges = [];
@@ -339,6 +348,20 @@ test("Model page: the curve and the slider lead to budgets, by keys too", () =>
         await reached(most);
     }));
 
+test("Model page: the strip loads small copies of the photographs, and a photograph itself when it is looked through", () =>
+    withPage({}, async (page) => {
+        const asked = [];
+        page.on("request", (request) => asked.push(/\/(thumbnails|photographs)\/\d+$/.exec(request.url())?.[0]));
+        await page.goto(`${proxy.url}/models/${id}`);
+        await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
+        const { width, height } = await page.locator(".thumb img").first().evaluate(({ naturalWidth, naturalHeight }) => ({ width: naturalWidth, height: naturalHeight }));
+        assert.deepEqual([width, height], [216, 162]);
+        assert.deepEqual(asked.filter((path) => path?.startsWith("/photographs/")), []);
+        await page.locator(".thumb").nth(1).click();
+        await page.locator("img.photograph").waitFor();
+        assert.deepEqual(asked.filter((path) => path?.startsWith("/photographs/")), ["/photographs/1"]);
+    }));
+
 test("Model page: through a photograph's camera the mesh covers what the photograph's mask covers", () =>
     withPage({}, async (page) => {
         await page.goto(`${proxy.url}/models/${id}`);
@@ -367,29 +390,38 @@ test("Model page: through a photograph's camera the mesh covers what the photogr
         await page.locator("img.photograph").waitFor({ state: "hidden" });
     }));
 
-/**
- * In the page: intersection over union of what is not magenta in one picture and what is white in the other, which is
- * shifted by some pixels.
- */
-async function overlapOf([shown, mask, dx, dy]) {
-    const [width, height] = [320, 240];
-    const pixels = async (base64, x, y) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-        const context = new OffscreenCanvas(width, height).getContext("2d");
-        context.drawImage(image, x, y, width, height);
-        return context.getImageData(0, 0, width, height).data;
-    };
-    const [a, b] = [await pixels(shown, 0, 0), await pixels(mask, dx, dy)];
-    let [both, either] = [0, 0];
-    for (let i = 0; i < a.length; i += 4) {
-        const isMesh = !(a[i] > 200 && a[i + 1] < 60 && a[i + 2] > 200);
-        const isMask = b[i] > 127;
-        if (isMesh && isMask) ++both;
-        if (isMesh || isMask) ++either;
-    }
-    return both / either;
-}
+test("Model page: edges and the map of the last step are drawn, and go again", () =>
+    withPage({ reducedMotion: "reduce" }, async (page) => {
+        await page.goto(`${proxy.url}/models/${id}?vertices=2600&shading=plain`);
+        await settled(page);
+        const stage = await page.locator(".stage canvas").boundingBox();
+        const shown = async (name) => {
+            await page.waitForTimeout(300); // of a few frames
+            await picture(page, name);
+            return (await page.screenshot({ clip: stage })).toString("base64");
+        };
+        const difference = (a, b) => page.evaluate(differenceOf, [a, b]);
+        const edges = page.getByRole("button", { name: "Edges" });
+        const plain = await shown("plain");
+        await edges.click();
+        const withEdges = await shown("edges");
+        assert.ok((await difference(plain, withEdges)) > 1, "edges are seen");
+        await edges.click();
+        assert.ok((await difference(plain, await shown("edges-gone"))) < 0.1, "and go, but for the button that is pointed at");
+        await edges.click();
+        await askFor(page, most);
+        await shown("edges-finer");
+        await edges.click();
+        const finer = await shown("plain-finer");
+        await page.getByRole("button", { name: "Last step" }).click();
+        await shown("last-step");
+        const { mesh, coloured } = await drawnPixels(page);
+        assert.ok(coloured > 0.05 * mesh && coloured < 0.9 * mesh, `what the step changed is marked, got ${coloured} of ${mesh} pixels`);
+        await page.goto("about:blank");
+        await page.goto(`${proxy.url}/models/${id}?vertices=${most}&shading=plain`);
+        await settled(page);
+        assert.ok((await difference(finer, await shown("plain-anew"))) < 0.5, "a page that is opened there shows the same");
+    }));
 
 test("Model page: downloads are the server's bytes at the budget that is shown", () =>
     withPage({}, async (page) => {
@@ -430,20 +462,6 @@ test("Model page: a link opens the same budget, shading and view", () =>
         const difference = await page.evaluate(differenceOf, [before.toString("base64"), afterwards.toString("base64")]);
         assert.ok(difference < 2, `expected the same picture, got a mean difference of ${difference} of 255`);
     }));
-
-/** In the page: mean absolute difference of two pictures' channels. */
-async function differenceOf(pictures) {
-    const [a, b] = await Promise.all(pictures.map(async (base64) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
-        context.drawImage(image, 0, 0);
-        return context.getImageData(0, 0, image.width, image.height).data;
-    }));
-    let sum = 0;
-    for (let i = 0; i < a.length; ++i) sum += Math.abs(a[i] - b[i]);
-    return sum / a.length;
-}
 
 test("Pages: strict policy, a name and a ring for everything that the keyboard reaches", () =>
     withPage({}, async (page) => {
@@ -488,14 +506,34 @@ test("Model page: with reduced motion a step is there at once", () =>
         assert.equal(difference, 0, "nothing moves any more");
     }));
 
-test("Model page: on a phone and in the dark nothing is cut off", () =>
-    withPage({ viewport: { width: 390, height: 844 }, colorScheme: "dark", hasTouch: true }, async (page) => {
-        await page.goto(`${proxy.url}/models/${id}`);
-        await settled(page);
-        const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-        assert.ok(overflow <= 0, `expected no sideways scrolling, got ${overflow} px`);
-        await picture(page, "model-phone-dark");
-    }));
+for (const [device, viewport] of [["phone", { width: 390, height: 844 }], ["desktop", { width: 1280, height: 820 }]]) {
+    for (const colorScheme of ["light", "dark"]) {
+        test(`Pages: on a ${device}, ${colorScheme}, nothing is cut off`, () =>
+            withPage({ viewport, colorScheme, hasTouch: device === "phone" }, async (page) => {
+                const check = async (name) => {
+                    await page.waitForTimeout(600); // of what fades in
+                    await picture(page, `${name}-${device}-${colorScheme}`);
+                    const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+                    assert.ok(overflow <= 0, `${name}: expected no sideways scrolling, got ${overflow} px`);
+                    const dark = await page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).every((c) => c < 128));
+                    assert.equal(dark, colorScheme === "dark", name);
+                };
+                await page.goto(proxy.url);
+                await page.locator("canvas.painted").waitFor();
+                await check("gallery");
+                await page.goto(`${proxy.url}/?new`);
+                await page.locator("input[webkitdirectory]").setInputFiles(capture);
+                await page.getByText("10 photographs").waitFor();
+                await check("upload");
+                await page.goto(`${proxy.url}/models/${id}`);
+                await settled(page);
+                await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
+                await check("model");
+                await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+                await check("model-below");
+            }));
+    }
+}
 
 test("Trouble: a damaged log is said to be, and the mesh before it stays", () =>
     withPage({}, async (page) => {

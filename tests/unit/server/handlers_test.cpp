@@ -5,10 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/capture/image_io.h"
 #include "core/error.h"
 #include "core/mesh/mesh_io.h"
 #include "proto/log_reader.h"
 #include "server/http/service.h"
+#include "server/jobs/thumbnails.h"
 #include "server/store/directory_log_store.h"
 #include "server/store/model_id.h"
 #include "server/store/sqlite_catalog.h"
@@ -296,6 +298,38 @@ TEST_CASE("Photographs: each comes out of the zip as it went in, also from a fol
     CHECK(f.get("/v1/models/" + id + "/photographs/1").status == 404);
     CHECK(f.get("/v1/models/" + id + "/photographs/2").status == 404);
     CHECK(nlohmann::json::parse(f.text(f.get("/v1/models/" + id + "/cameras")))["cameras"].size() == 2);
+}
+
+TEST_CASE("Thumbnails: a small JPEG of each photograph is there once a worker has loaded them") {
+    Fixture f;
+    const std::string id = nlohmann::json::parse(f.text(f.post("PK\x03\x04")))["id"];
+    const std::string thumbnails = "/v1/models/" + id + "/thumbnails/";
+    CHECK(f.get(thumbnails + "0").status == 404);
+    JobSteps steps = small_job_steps(1);
+    steps.load = [](const std::filesystem::path&) {
+        Capture capture;
+        capture.views.resize(2);
+        capture.views[0].image = ColourImage(4000, 3000, {200, 40, 40});
+        capture.views[1].image = ColourImage(90, 160);
+        return capture;
+    };
+    DirectoryLogStore logs(f.folder.path());
+    const ModelPaths paths = f.store.paths(id);
+    run_job({.model_id = id, .capture = paths.capture, .thumbnails = paths.thumbnails, .options = {}}, steps, logs,
+            [](const WorkerMessage&) {}, {});
+    const std::vector<std::pair<int, int>> sizes{{thumbnail_side, thumbnail_side * 3 / 4}, {90, 160}};
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        const Response response = f.get(thumbnails + std::to_string(i));
+        CHECK(response.headers.find("Content-Type") == "image/jpeg");
+        const std::string body = f.text(response);
+        const std::vector<std::uint8_t> bytes(body.begin(), body.end());
+        const ImageHeader header = read_image_header(bytes).value();
+        CHECK(std::pair(header.width, header.height) == sizes[i]);
+        const Rgb8 pixel = decode_colour(bytes, header)(40, 40);
+        CHECK(pixel.r > (i == 0 ? 190 : -1));
+        CHECK(pixel.r < (i == 0 ? 210 : 10));
+    }
+    for (const char* number : {"2", "x", "-1"}) CHECK(f.get(thumbnails + number).status == 404);
 }
 
 TEST_CASE("Photographs: of a capture that is none, 404 says why") {

@@ -1,18 +1,16 @@
 import { prefixFor } from "./budget.js";
 import type { Budget } from "./budget.js";
 import type { DracoService } from "./draco-service.js";
-import { dracoInThread } from "./draco-service.js";
-import { loadDraco3d } from "./draco3d.js";
 import type { Header } from "./header.js";
 import { LiveConnection, defaultLiveOptions } from "./live-connection.js";
-import type { LiveOptions, LivePosition, LiveStatus } from "./live-connection.js";
+import type { LivePosition, LiveStatus } from "./live-connection.js";
 import { LogDownload } from "./log-download.js";
 import type { IndexRow } from "./log-index.js";
 import { decodeSideIndex } from "./log-index.js";
-import { modelUrls } from "./model-urls.js";
+import type { ModelEvent, ModelOptions } from "./model-options.js";
 import type { ModelUrls } from "./model-urls.js";
 import { fetchWith, newAbortController, platformWith } from "./platform.js";
-import type { AbortControllerLike, AbortSignalLike, Platform } from "./platform.js";
+import type { AbortControllerLike, Platform } from "./platform.js";
 import type { ProgressiveMesh } from "./progressive-mesh.js";
 import { serverError } from "./server-problem.js";
 import { SlicedDecoder } from "./sliced-decoder.js";
@@ -20,70 +18,6 @@ import type { ModelChanges } from "./sliced-decoder.js";
 
 /** Bytes of the first request: header, index and base of most models. */
 export const firstRequestBytes = 8192;
-
-export type ModelEvent =
-    /** There is a mesh, or another one in place of it: keep nothing of what was before. */
-    | { readonly type: "mesh"; readonly mesh: ProgressiveMesh }
-    /** takeChanges() has something new. */
-    | { readonly type: "change" }
-    /** Bytes have arrived. */
-    | { readonly type: "progress" }
-    | { readonly type: "live"; readonly status: LiveStatus }
-    /** The log is unsound: the mesh stays as it is. */
-    | { readonly type: "error"; readonly error: unknown };
-
-export interface ModelOptions {
-    /** Of Draco in a worker, see dracoInWorker(); in this thread if left out. The model does not dispose of it. */
-    readonly draco?: DracoService;
-    /** Goes on to this budget once the first request is answered; without it, openModel() stops there. */
-    readonly budget?: Budget;
-    /**
-     * Bytes of the log that the budget is known to need, from elsewhere: openModel() asks for those behind the first
-     * request at once, without waiting for its answer. Too few only cost another request.
-     */
-    readonly bytesWanted?: number;
-    /** Bearer token, where the server wants one for reading. */
-    readonly token?: string;
-    /** Disposes of the model. */
-    readonly signal?: AbortSignalLike;
-    /** What the engine lacks, or tests replace. */
-    readonly platform?: Partial<Platform>;
-    readonly live?: Partial<LiveOptions>;
-    readonly onEvent?: (event: ModelEvent) => void;
-    /** Is given the model before its first bytes arrive, for whoever shows it while it is opened. */
-    readonly onModel?: (model: Model) => void;
-}
-
-/**
- * Opens a model by one request of 8 KB, which brings header, index and base, and replays what is in it. A base that is
- * larger takes a second request, as does a budget that is given.
- * @param url of a model of a server (.../v1/models/ID), or of a log as a file
- * @throws ServerError the server refuses, DecodeError it has no sound log, whatever fetch throws
- */
-export async function openModel(url: string, options: ModelOptions = {}): Promise<Model> {
-    const model = await newModel(url, options);
-    try {
-        await model.readFirst();
-    } catch (error) {
-        model.dispose();
-        throw error;
-    }
-    return model;
-}
-
-/** Follows a model from its start while it is made; also one whose log has not begun. */
-export async function followModel(url: string, options: ModelOptions = {}): Promise<Model> {
-    const model = await newModel(url, options);
-    void model.live();
-    return model;
-}
-
-async function newModel(url: string, options: ModelOptions): Promise<Model> {
-    const draco = options.draco ?? dracoInThread(await loadDraco3d());
-    const model = new Model(modelUrls(url), draco, options);
-    options.onModel?.(model);
-    return model;
-}
 
 /** A model of a server, as far as it has been fetched and replayed. Made by openModel() or followModel(). */
 export class Model {

@@ -1,7 +1,6 @@
 import { decodeBase } from "./base-codec.js";
 import type { Range } from "./change-marks.js";
 import { decodeColour } from "./colour-codec.js";
-import type { ColourResiduals } from "./colour-codec.js";
 import { ColourState } from "./colour-state.js";
 import type { ColourSnapshot } from "./colour-state.js";
 import { DecodeError } from "./decode-error.js";
@@ -10,9 +9,12 @@ import { flagNewBatch, FrameType } from "./frame.js";
 import type { Frame } from "./frame.js";
 import { prev } from "./halfedge.js";
 import type { Grid, Header } from "./header.js";
+import { decodeResiduals, taken } from "./packet.js";
+import type { Packet, Waiting } from "./packet.js";
 import { RefinableMesh } from "./refinable-mesh.js";
 import type { RefinableMeshState, SplitRecords } from "./refinable-mesh.js";
 import { decodeRefine, noPreviousFace } from "./refine-codec.js";
+import { sumRingNormal } from "./ring-normal.js";
 
 /** What changed in a mesh, for whoever keeps a copy of it on a graphics card. A few unchanged elements are among it. */
 export interface MeshChanges {
@@ -22,23 +24,6 @@ export interface MeshChanges {
     readonly faces: readonly Range[];
     /** Vertices whose colour changed, new ones too. */
     readonly colours: readonly Range[];
-}
-
-/** A frame that waits for its turn; its payload is decoded only then, so that waiting takes no more than its bytes. */
-interface Waiting<Decoded> {
-    readonly frame: Frame;
-    /** Until it is decoded. */
-    payload: Uint8Array | undefined;
-    draco: DracoDecoder | undefined;
-    decoded?: Decoded;
-}
-
-/** A refine frame that is being replayed, with its colours once they are there. */
-interface Packet {
-    readonly refine: Waiting<SplitRecords>;
-    nReplayed: number;
-    colour?: Waiting<ColourResiduals>;
-    nColoured: number;
 }
 
 /** A state of the mesh to which coarsen() can go back. */
@@ -148,7 +133,7 @@ export class ProgressiveMesh {
 
     /** Puts the sum of the normals of a vertex's faces, each as long as twice its area in grid units, into `sum`. */
     ringNormal(vertex: number, sum: Float64Array): void {
-        this.mesh.sumRingNormal(vertex, sum);
+        sumRingNormal(this.mesh.positions, this.mesh.connectivity, vertex, sum);
     }
 
     /**
@@ -307,18 +292,6 @@ export class ProgressiveMesh {
         packet.nColoured = 3 * nReplayed;
         if (nReplayed === frame.nSplits) checkHash(frame, "colour", this.colourState.hash);
     }
-}
-
-function decodeResiduals(waiting: Waiting<ColourResiduals>): ColourResiduals {
-    const { payload, draco } = taken(waiting);
-    return decodeColour(payload, 3 * waiting.frame.nSplits, draco);
-}
-
-/** The payload and its decoder, which are needed no longer once it is decoded. */
-function taken(waiting: Waiting<unknown>): { payload: Uint8Array; draco: DracoDecoder } {
-    const { payload, draco } = waiting;
-    waiting.payload = waiting.draco = undefined;
-    return { payload: payload!, draco: draco! };
 }
 
 function checkHash(frame: Frame, what: string, computed: number): void {

@@ -10,6 +10,7 @@ import { next, prev } from "./halfedge.js";
 import type { IntegerMesh } from "./integer-mesh.js";
 import { RollingHash } from "./rolling-hash.js";
 import { UndoJournal } from "./undo-journal.js";
+import { wantsFlip } from "./wants-flip.js";
 
 const flipMark = 0x80000000;
 const newVertexSmoothing = 0.5;
@@ -89,33 +90,6 @@ export class RefinableMesh {
         this.resize(nVertices);
         const nFaces = this.nFaces + 2 * Math.max(nVertices - this.nVertices, 0);
         this.connectivity.reserve(nVertices, nFaces);
-    }
-
-    /** Puts the sum of the cross products of a vertex's ring into `sum`, for whoever draws the mesh. */
-    sumRingNormal(vertex: number, sum: Float64Array): void {
-        const { positions } = this;
-        const { corners, twins, outgoing } = this.connectivity;
-        const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
-        const first = outgoing[vertex];
-        const start = 3 * corners[next(first)];
-        let ax = positions[start] - x, ay = positions[start + 1] - y, az = positions[start + 2] - z;
-        let nx = 0, ny = 0, nz = 0;
-        let spoke = first;
-        do {
-            const back = prev(spoke);
-            const r = 3 * corners[back];
-            const bx = positions[r] - x, by = positions[r + 1] - y, bz = positions[r + 2] - z;
-            nx += ay * bz - az * by;
-            ny += az * bx - ax * bz;
-            nz += ax * by - ay * bx;
-            ax = bx;
-            ay = by;
-            az = bz;
-            spoke = twins[back];
-        } while (spoke !== first);
-        sum[0] = nx;
-        sum[1] = ny;
-        sum[2] = nz;
     }
 
     snapshot(): RefinableMeshState {
@@ -227,58 +201,17 @@ export class RefinableMesh {
     }
 
     private flipAround(vertex: number): void {
-        const { connectivity } = this;
+        const { connectivity, positions } = this;
         const first = connectivity.outgoing[vertex];
         let spoke = first;
         do {
             const link = next(spoke);
-            if (this.wantsFlip(link)) {
+            if (wantsFlip(positions, connectivity, link)) {
                 connectivity.flip(link);
                 this.hash.mix(flipMark + link);
             }
             spoke = connectivity.twins[prev(spoke)];
         } while (spoke !== first);
-    }
-
-    /** Whether the edge of h, from p to q between the corners m and s, gives way to one between m and s. */
-    private wantsFlip(h: number): boolean {
-        const { positions } = this;
-        const { corners, twins } = this.connectivity;
-        const t = twins[h];
-        const p = 3 * corners[h];
-        const q = 3 * corners[t];
-        const m = 3 * corners[prev(h)];
-        const s = 3 * corners[prev(t)];
-        const px = positions[p], py = positions[p + 1], pz = positions[p + 2];
-        const qx = positions[q], qy = positions[q + 1], qz = positions[q + 2];
-        const mx = positions[m], my = positions[m + 1], mz = positions[m + 2];
-        const sx = positions[s], sy = positions[s + 1], sz = positions[s + 2];
-
-        const dotM = (px - mx) * (qx - mx) + (py - my) * (qy - my) + (pz - mz) * (qz - mz);
-        const dotS = (px - sx) * (qx - sx) + (py - sy) * (qy - sy) + (pz - sz) * (qz - sz);
-        if (dotM >= 0 && dotS >= 0) return false; // no angle above 90 degrees: the sum below cannot be negative
-
-        // a = cross(p - m, q - m), b = cross(p - s, q - s): normals of the two faces, b turned away
-        const ax = (py - my) * (qz - mz) - (pz - mz) * (qy - my);
-        const ay = (pz - mz) * (qx - mx) - (px - mx) * (qz - mz);
-        const az = (px - mx) * (qy - my) - (py - my) * (qx - mx);
-        const bx = (py - sy) * (qz - sz) - (pz - sz) * (qy - sy);
-        const by = (pz - sz) * (qx - sx) - (px - sx) * (qz - sz);
-        const bz = (px - sx) * (qy - sy) - (py - sy) * (qx - sx);
-        const sineM = Math.sqrt(ax * ax + ay * ay + az * az);
-        const sineS = Math.sqrt(bx * bx + by * by + bz * bz);
-        if (!(dotM * sineS + dotS * sineM < 0)) return false;
-
-        // N = cross(q - p, m - p) + cross(p - q, s - q); the first is a, the second -b, both sums of exact integers.
-        const nx = ax - bx, ny = ay - by, nz = az - bz;
-        // cross(p - m, s - m) and cross(q - s, m - s): normals of the two faces that the flip would make
-        const cx = (py - my) * (sz - mz) - (pz - mz) * (sy - my);
-        const cy = (pz - mz) * (sx - mx) - (px - mx) * (sz - mz);
-        const cz = (px - mx) * (sy - my) - (py - my) * (sx - mx);
-        const dx = (qy - sy) * (mz - sz) - (qz - sz) * (my - sy);
-        const dy = (qz - sz) * (mx - sx) - (qx - sx) * (mz - sz);
-        const dz = (qx - sx) * (my - sy) - (qy - sy) * (mx - sx);
-        return cx * nx + cy * ny + cz * nz > 0 && dx * nx + dy * ny + dz * nz > 0 && this.connectivity.canFlip(h);
     }
 
     /** Fills centroidOffset and normal. Sums of integers below 2^53 are exact, so the ring's order does not matter. */

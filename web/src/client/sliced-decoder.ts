@@ -65,6 +65,8 @@ export class SlicedDecoder {
     private maxVertices = Infinity;
     /** Vertices after the last frame that was applied. */
     private nVerticesApplied = 0;
+    /** Vertices that there is room for. */
+    private nVerticesReserved = 0;
     private replayTime = 0;
     /** When onChange() was called last. */
     private published = -Infinity;
@@ -199,6 +201,7 @@ export class SlicedDecoder {
             part.draco ??= decodeAhead(part.frame, part.payload, header, this.draco);
             part.draco.catch(() => {}); // told when it is the part's turn
         }
+        if (this.meshRead) await this.reserve(this.meshRead);
         const { frame, payload, draco } = this.parts[0];
         const decoder = await draco!;
         if (this.disposed) return;
@@ -209,20 +212,22 @@ export class SlicedDecoder {
             this.meshRead.setMaxVertices(0);
             this.nVerticesApplied = this.meshRead.nVertices;
         } else {
-            this.reserve(this.meshRead!);
             this.meshRead!.apply(frame, payload, decoder);
             this.nVerticesApplied = frame.nSplits === 0 ? this.nVerticesApplied : frame.nVerticesBefore + 3 * frame.nSplits;
         }
         this.replayTime += this.platform.now() - begin;
     }
 
-    /** Makes room for what is to come, as far as the bytes that are there make it credible. */
-    private reserve(mesh: ProgressiveMesh): void {
+    /** Makes room for what is to come, as far as the bytes that are there make it credible; that takes a slice of its own. */
+    private async reserve(mesh: ProgressiveMesh): Promise<void> {
         const { index, wholeBytes } = this.scanner;
         const expected = Math.min(this.maxVertices, index?.at(-1)?.nVertices ?? 0, mostVerticesPerByte * wholeBytes);
-        if (expected <= mesh.nVertices) return;
+        if (expected <= Math.max(this.nVerticesReserved, mesh.nVertices)) return;
+        this.nVerticesReserved = expected;
+        await this.platform.pause();
         mesh.reserve(expected);
         this.vertexNormals.reserve(expected);
+        await this.platform.pause();
     }
 
     /** Replays until the deadline, at least one stride. @returns whether there was anything to replay */

@@ -75,8 +75,13 @@ export function watchModel(id: string, onState: (model: ModelInfo) => void, onDe
     return () => stop.abort();
 }
 
-export function isFinal({ state }: ModelInfo): boolean {
+export function isFinal({ state }: Pick<ModelInfo, "state">): boolean {
     return state === "done" || state === "failed" || state === "cancelled";
+}
+
+/** Whether a worker has made them, if it ever will. */
+export function hasThumbnails({ state, stage }: ModelInfo): boolean {
+    return isFinal({ state }) || (state === "running" && stage !== "" && stage !== "load");
 }
 
 function ask(url: string, method = "GET"): Promise<Response> {

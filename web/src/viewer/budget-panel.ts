@@ -3,6 +3,7 @@ import { amountOf, budgetOf, budgetScale, kindOf, sliderSteps, stepOf, valueAt }
 import type { BudgetKind, BudgetScale } from "./budget-scale.js";
 import { h } from "./dom.js";
 import { bytes, count, significant } from "./format.js";
+import { Segments } from "./segments.js";
 
 const kinds: readonly (readonly [BudgetKind, string])[] = [
     ["vertices", "Vertices"],
@@ -27,21 +28,19 @@ export class BudgetPanel {
     private readonly number = h("input", { type: "number", class: "budget-number", "aria-label": "Budget as a number", onchange: () => this.fromNumber() });
     private readonly unit = h("span", { class: "budget-unit" });
     private readonly ends = [h("span"), h("span")] as const;
-    private readonly tabs: HTMLButtonElement[];
     private kind: BudgetKind = "vertices";
+    private readonly kindChoice = new Segments(kinds, this.kind);
     private rows: readonly IndexRow[] = [];
     private framesBegin = 0;
     private scale: BudgetScale | undefined;
     private current: Budget | undefined;
 
     constructor() {
-        this.tabs = kinds.map(([kind, label]) =>
-            h("button", { class: "segment", "aria-pressed": String(kind === this.kind), onclick: () => this.setKind(kind) }, label),
-        );
+        this.kindChoice.onChoose = (kind) => this.setKind(kind);
         this.element = h(
             "section",
             { class: "panel budget", "aria-label": "Budget" },
-            h("div", { class: "segments" }, ...this.tabs),
+            this.kindChoice.element,
             h("div", { class: "budget-line" }, this.number, this.unit),
             this.slider,
             h("div", { class: "budget-ends" }, ...this.ends),
@@ -51,34 +50,24 @@ export class BudgetPanel {
     setRows(rows: readonly IndexRow[], framesBegin: number): void {
         this.rows = rows;
         this.framesBegin = framesBegin;
-        kinds.forEach(([kind], i) => (this.tabs[i].disabled = budgetScale(kind, rows, framesBegin) === undefined));
+        for (const [kind] of kinds) this.kindChoice.setEnabled(kind, budgetScale(kind, rows, framesBegin) !== undefined);
         this.rescale();
     }
 
     /** Shows a budget that was asked for elsewhere. */
     show(budget: Budget): void {
         this.current = budget;
-        if (kindOf(budget) !== this.kind) this.press(kindOf(budget));
+        this.kind = kindOf(budget);
+        this.kindChoice.press(this.kind);
         this.rescale();
-    }
-
-    /** Shows what a mesh of so many vertices is in the kind of budget that is chosen. */
-    showMesh(vertices: number): void {
-        if (this.current && kindOf(this.current) === this.kind) return;
-        this.write(this.valueFor(vertices));
     }
 
     private setKind(kind: BudgetKind): void {
         const before = this.current && this.verticesOf(this.current);
-        this.press(kind);
+        this.kind = kind;
         this.current = undefined;
         this.rescale();
         if (before !== undefined) this.write(this.valueFor(before));
-    }
-
-    private press(kind: BudgetKind): void {
-        this.kind = kind;
-        kinds.forEach(([name], i) => this.tabs[i].setAttribute("aria-pressed", String(name === kind)));
     }
 
     private rescale(): void {

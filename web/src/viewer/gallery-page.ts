@@ -77,7 +77,7 @@ class Gallery {
         const show = (now: ModelInfo) => {
             state.textContent = now.state === "queued" ? "Waiting" : stateSentence(now);
             state.className = `chip ${now.state}`;
-            numbers.replaceChildren(...(now.vertices > 0 ? [h("span", {}, `${count(now.vertices)} vertices`), h("span", {}, bytes(now.bytes))] : ["no mesh yet"]));
+            numbers.replaceChildren(...(now.vertices > 0 ? [h("span", {}, `${count(now.vertices)} vertices`), h("span", {}, bytes(now.bytes))] : [isFinal(now) ? "no mesh" : "no mesh yet"]));
             bar.hidden = isFinal(now);
             fill.style.width = `${100 * now.fraction}%`;
             sentence.textContent = now.error ?? "";

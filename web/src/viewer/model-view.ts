@@ -1,38 +1,27 @@
-import {
-    Camera,
-    Group,
-    LineSegments,
-    Matrix4,
-    Mesh,
-    PerspectiveCamera,
-    Scene,
-    Vector2,
-    Vector3,
-} from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Group, LineSegments, Mesh, Scene, Sphere, Vector2, Vector3 } from "three";
+import type { Camera } from "three";
 
 import type { Model, ProgressiveMesh } from "../client/index.js";
-import { cameraCentre, projectionMatrix, viewMatrix } from "./camera-view.js";
-import type { PinholeCamera, Rectangle, Size } from "./camera-view.js";
+import { boundingSphere } from "./bounding-sphere.js";
+import type { Rectangle, Size } from "./camera-view.js";
 import { acquireDrawing, releaseDrawing } from "./drawing.js";
 import type { Drawing } from "./drawing.js";
+import { FrameRate } from "./frame-rate.js";
 import { MorphGeometry } from "./morph-geometry.js";
+import { OrbitCamera } from "./orbit-camera.js";
+import type { Pose } from "./orbit-camera.js";
+import { orbitByKeys } from "./orbit-keys.js";
+import { PhotographCamera } from "./photograph-camera.js";
+import type { PhotographView } from "./photograph-camera.js";
 import type { Shading } from "./shading.js";
+import { Transition } from "./transition.js";
 
-/** A photograph that is looked through. */
-export interface PhotographView {
-    readonly camera: PinholeCamera;
-    readonly pixelCentre: readonly number[];
-    readonly image: Size;
-}
-
-/** Position and target, world units. */
-export type Pose = readonly [number, number, number, number, number, number];
-
-const fieldOfView = 32; // degrees
-const morphMilliseconds = 420;
 /** Changes that wait for the last ones to be drawn: where drawing is slow, one upload for all; more would be a long task. */
 const mostPending = 4;
+/** A frame that takes longer is dear, as where no graphics card draws it; ms. */
+const dearFrame = 35;
+/** More of a model is coming if some came no longer ago, ms. */
+const comingTime = 100;
 
 /** Draws one model: its surface, as it refines, from any side or through a photograph's camera. */
 export class ModelView {
@@ -46,34 +35,30 @@ export class ModelView {
     private readonly materials = this.drawing.materials;
     private readonly scene = new Scene();
     private readonly placed = new Group();
-    private readonly camera = new PerspectiveCamera(fieldOfView, 1, 0.1, 100);
-    private readonly throughPhotograph = new Camera();
     private readonly morphing = new MorphGeometry();
+    private readonly morph = new Transition();
+    /** From the plain surface to its colours, once it has some. */
+    private readonly colouring = new Transition();
+    private isColoured = false;
     private readonly edges: LineSegments;
-    private controls: OrbitControls;
+    private readonly orbit: OrbitCamera;
+    private readonly releaseKeys: () => void;
     private readonly resize: ResizeObserver;
-    private readonly reducedMotion = matchMedia("(prefers-reduced-motion: reduce)");
+    private readonly frameRate = new FrameRate();
 
     private model: Model | undefined;
     private mesh: ProgressiveMesh | undefined;
-    private photograph: PhotographView | undefined;
-    private covered = { top: 0, bottom: 0 };
-    private centre = new Vector3();
-    private radius = 1;
-    private firstEye: Vector3 | undefined;
-    private poseWanted: Pose | undefined;
-    private hasPose = false;
-    private morphBegan = -Infinity;
+    private bounds = new Sphere(new Vector3(), 1);
+    private photograph: PhotographCamera | undefined;
     private dirty = true;
-    /** Changes that were told and not taken. */
+    /** Changes that were told and not taken, and whether some were taken and not drawn. */
     private nPending = 0;
+    private hasUndrawn = false;
+    private lastTold = -Infinity;
     private heatStale = false;
     private showsHeat = false;
     private verticesDrawn = 0;
     private frame = 0;
-    private nTicks = 0;
-    private ticksSince = performance.now();
-    private rate = 0;
 
     /** @throws Error if there is no WebGL */
     constructor(container: HTMLElement) {
@@ -89,18 +74,17 @@ export class ModelView {
         this.edges.visible = false;
         this.placed.add(surface, this.edges);
         this.scene.add(this.placed);
-        this.throughPhotograph.matrixWorldAutoUpdate = false;
-        this.controls = this.newControls();
+        this.orbit = this.newOrbit();
+        this.releaseKeys = orbitByKeys(this.canvas, this.orbit);
         this.resize = new ResizeObserver(() => this.fitCanvas(container));
         this.resize.observe(container);
         this.fitCanvas(container);
-        this.canvas.addEventListener("keydown", this.onKey);
         this.frame = requestAnimationFrame(this.tick);
     }
 
     /** Frames a second, of the last half second. */
     get framesPerSecond(): number {
-        return this.rate;
+        return this.frameRate.perSecond;
     }
 
     /** Shows a model; take() says when it has something new. */
@@ -112,19 +96,21 @@ export class ModelView {
     begin(mesh: ProgressiveMesh): void {
         this.mesh = mesh;
         this.morphing.clear();
+        this.morph.end();
         this.nPending = 0;
+        this.hasUndrawn = this.isColoured = false;
         const { origin, unit } = mesh.grid;
         this.placed.position.set(...origin);
         this.placed.scale.setScalar(unit);
-        this.measure(mesh);
-        if (!this.hasPose) this.applyPose();
-        this.morphBegan = -Infinity;
+        this.bounds = boundingSphere(mesh);
+        this.orbit.setBounds(this.bounds);
     }
 
     /** The model has changed: the next frames go there. */
     take(): void {
         ++this.nPending;
-        if (!this.dirty || this.nPending >= mostPending) this.upload(performance.now());
+        this.lastTold = performance.now();
+        if (!this.hasUndrawn || this.nPending >= mostPending) this.copyChanges();
     }
 
     /** The next heat map is measured from the mesh as it is now. */
@@ -148,64 +134,34 @@ export class ModelView {
         this.dirty = true;
     }
 
-    /** @param up unit vector @param eye where to look from first, world units; undefined for a view from above */
+    /** As OrbitCamera. */
     setOrientation(up: readonly [number, number, number], eye?: readonly [number, number, number]): void {
-        this.camera.up.set(...up);
-        // OrbitControls looks at "up" when it is made.
-        const { target } = this.controls;
-        this.controls.dispose();
-        this.controls = this.newControls();
-        this.controls.target.copy(target);
-        if (eye) this.firstEye = new Vector3(...eye);
-        if (!this.hasPose && this.mesh) this.applyPose();
+        this.orbit.setOrientation(up, eye);
     }
-
-    /** Leaves room for what lies over the upper and lower ends of the canvas, CSS pixels. */
     setCovered(top: number, bottom: number): void {
-        if (top === this.covered.top && bottom === this.covered.bottom) return;
-        this.covered = { top, bottom };
-        this.offsetCamera();
-        if (!this.hasPose && this.mesh) this.fitQuietly();
+        this.orbit.setCovered(top, bottom);
     }
-
     get pose(): Pose {
-        const [p, t] = [this.camera.position, this.controls.target];
-        return [p.x, p.y, p.z, t.x, t.y, t.z];
+        return this.orbit.pose;
     }
     setPose(pose: Pose): void {
-        this.poseWanted = pose;
-        if (this.mesh) this.applyPose();
+        this.orbit.setPose(pose);
     }
-
-    /** The whole model in view, from the side that it is seen from. */
     fit(): void {
-        this.leavePhotograph();
-        const direction = this.camera.position.clone().sub(this.controls.target).normalize();
-        this.controls.target.copy(this.centre);
-        this.camera.position.copy(this.centre).addScaledVector(direction, this.fitDistance());
-        this.controls.update();
-        this.dirty = true;
-        this.onMoved();
+        this.orbit.fit();
     }
 
     /** Looks through a photograph's camera until the view is turned. */
     enterPhotograph(photograph: PhotographView): void {
-        this.photograph = photograph;
+        this.photograph = new PhotographCamera(photograph);
         this.dirty = true;
     }
 
     leavePhotograph(): void {
         if (!this.photograph) return;
-        const { camera } = this.photograph;
-        // Goes on from where the photograph was taken, about the point of its axis that is nearest to the model.
+        const { eye, axis } = this.photograph;
         this.photograph = undefined;
-        const eye = new Vector3(...cameraCentre(camera));
-        const axis = new Vector3(...(camera.R[2] as [number, number, number]));
-        const along = Math.max(axis.dot(this.centre.clone().sub(eye)), 0.1 * this.radius);
-        this.camera.position.copy(eye);
-        this.controls.target.copy(eye).addScaledVector(axis, along);
-        this.controls.update();
-        this.dirty = true;
+        this.orbit.continueFrom(eye, axis);
         this.onLeftPhotograph();
     }
 
@@ -214,55 +170,68 @@ export class ModelView {
      * @param size CSS pixels
      * @returns where it is in the canvas, its own pixels
      */
-    drawPicture({ width, height }: Size): Rectangle {
+    drawPicture(size: Size): Rectangle {
+        const { width, height } = size;
         const whole = this.renderer.getSize(new Vector2());
-        this.camera.aspect = width / height;
-        this.fitQuietly();
-        this.upload(-Infinity);
-        this.materials.setMorph(1);
+        this.orbit.fitInto(size);
+        this.copyChanges();
+        this.morph.end();
+        this.colouring.end();
         this.renderer.setViewport(0, 0, width, height);
-        this.renderer.render(this.scene, this.orbitCamera());
+        this.draw(performance.now(), this.orbit.toCamera());
         this.renderer.setViewport(0, 0, whole.x, whole.y);
         const ratio = this.renderer.getPixelRatio();
         return { left: 0, top: this.canvas.height - ratio * height, width: ratio * width, height: ratio * height };
     }
 
     dispose(): void {
+        this.model = undefined;
         cancelAnimationFrame(this.frame);
         this.resize.disconnect();
-        this.controls.dispose();
+        this.releaseKeys();
+        this.orbit.dispose();
         this.morphing.dispose();
-        this.canvas.removeEventListener("keydown", this.onKey);
         releaseDrawing(this.drawing);
     }
 
-    private newControls(): OrbitControls {
-        const controls = new OrbitControls(this.camera, this.canvas);
-        controls.enableDamping = !this.reducedMotion.matches;
-        controls.dampingFactor = 0.12;
-        controls.rotateSpeed = 0.9;
-        controls.addEventListener("start", () => this.leavePhotograph());
-        controls.addEventListener("end", () => this.onMoved());
-        controls.addEventListener("change", () => (this.dirty = true));
-        return controls;
+    private newOrbit(): OrbitCamera {
+        const orbit = new OrbitCamera(this.canvas);
+        orbit.onGrabbed = () => this.leavePhotograph();
+        orbit.onMoved = () => this.onMoved();
+        orbit.onChange = () => (this.dirty = true);
+        return orbit;
     }
 
     private readonly tick = (now: number): void => {
         this.frame = requestAnimationFrame(this.tick);
-        this.count(now);
-        this.controls.update();
-        if (this.nPending > 0) {
-            this.upload(now);
-        } else if (this.heatStale && this.showsHeat && this.mesh) {
+        this.frameRate.count(now);
+        this.orbit.update();
+        if (this.nPending === 0 && this.heatStale && this.showsHeat && this.mesh) {
             this.heatStale = false;
             this.morphing.measureHeat(this.mesh);
         }
-        if (now - this.morphBegan < this.morphDuration() + 50) this.dirty = true;
-        if (!this.dirty || !this.mesh) return;
+        if (this.morph.isRunning(now) || this.colouring.isRunning(now)) this.dirty = true;
+        if (!this.dirty || !this.mesh || this.sparesFrame(now)) return;
         this.dirty = false;
-        this.materials.setMorph(ease(clamped((now - this.morphBegan) / this.morphDuration())));
-        this.renderer.render(this.scene, this.photograph ? this.photographCamera(this.photograph) : this.orbitCamera());
+        this.draw(now, this.photograph?.at(this.canvasSize, this.bounds) ?? this.orbit.toCamera());
+        this.hasUndrawn = false;
         this.markDrawn(this.morphing.vertexCount);
+        if (this.nPending > 0) setTimeout(this.copyPending); // in a task of its own, not in that of a frame
+    };
+
+    /** A dear frame that would only show more of a morph, while the next change is near, is left out: it would delay that. */
+    private sparesFrame(now: number): boolean {
+        return !this.hasUndrawn && this.frameRate.interval > dearFrame && now - this.lastTold < comingTime;
+    }
+
+    private draw(now: number, camera: Camera): void {
+        this.materials.setMorph(this.morph.at(now));
+        this.materials.setColoured(this.isColoured ? this.colouring.at(now) : 0);
+        this.renderer.render(this.scene, camera);
+    }
+
+    private readonly copyPending = (): void => {
+        if (this.nPending > 0) this.copyChanges();
     };
 
     /** For whoever measures: when how many vertices were drawn first. */
@@ -273,164 +242,30 @@ export class ModelView {
     }
 
     /** Takes what has changed, and begins a morph from where the last one has come to. */
-    private upload(now: number): void {
+    private copyChanges(): void {
         if (!this.model?.mesh || this.model.mesh !== this.mesh) return;
         this.nPending = 0;
-        const morphed = (now - this.morphBegan) / this.morphDuration();
+        const now = performance.now();
         const isFirst = this.morphing.vertexCount === 0; // it has nothing to come from
-        this.morphing.update(this.model, this.model.takeChanges(), ease(clamped(morphed)));
-        this.morphBegan = isFirst ? -Infinity : now;
-        this.dirty = true;
-    }
-
-    private morphDuration(): number {
-        return this.reducedMotion.matches ? 1 : morphMilliseconds;
-    }
-
-    private count(now: number): void {
-        ++this.nTicks;
-        if (now - this.ticksSince < 500) return;
-        this.rate = (1000 * this.nTicks) / (now - this.ticksSince);
-        this.nTicks = 0;
-        this.ticksSince = now;
-    }
-
-    /** Bounds of the mesh, world units. */
-    private measure(mesh: ProgressiveMesh): void {
-        const { origin, unit } = mesh.grid;
-        const [low, high] = [new Vector3().setScalar(Infinity), new Vector3().setScalar(-Infinity)];
-        const { positions } = mesh;
-        const point = new Vector3();
-        for (let i = 0; i < positions.length; i += 3) {
-            point.set(positions[i], positions[i + 1], positions[i + 2]);
-            low.min(point);
-            high.max(point);
+        this.morphing.update(this.model, this.model.takeChanges(), this.morph.at(now));
+        if (isFirst) this.morph.end();
+        else this.morph.begin(now);
+        if (this.mesh.hasColours && !this.isColoured) {
+            this.isColoured = true;
+            if (isFirst) this.colouring.end();
+            else this.colouring.begin(now);
         }
-        this.centre = low.clone().add(high).multiplyScalar(0.5 * unit).add(new Vector3(...origin));
-        this.radius = 0.5 * unit * high.distanceTo(low);
+        this.dirty = this.hasUndrawn = true;
     }
 
-    private fitDistance(): number {
-        const { top, bottom } = this.covered;
-        const tangent = Math.tan((fieldOfView / 2) * (Math.PI / 180));
-        const vertical = tangent * Math.max(1 - (top + bottom) / this.canvas.clientHeight, 0.3);
-        return (0.92 * this.radius) / Math.sin(Math.atan(Math.min(vertical, tangent * this.camera.aspect)));
-    }
-
-    private applyPose(): void {
-        if (this.poseWanted) {
-            const [x, y, z, tx, ty, tz] = this.poseWanted;
-            this.camera.position.set(x, y, z);
-            this.controls.target.set(tx, ty, tz);
-            this.hasPose = true;
-        } else {
-            const toEye = this.firstEye?.clone().sub(this.centre) ?? new Vector3(0.6, 0.45, 1);
-            this.controls.target.copy(this.centre);
-            this.camera.position.copy(this.centre).addScaledVector(toEye.normalize(), this.fitDistance());
-        }
-        this.controls.minDistance = 0.05 * this.radius;
-        this.controls.maxDistance = 20 * this.radius;
-        this.controls.update();
-        this.dirty = true;
-    }
-
-    private orbitCamera(): Camera {
-        const distance = this.camera.position.distanceTo(this.centre);
-        this.camera.near = Math.max(distance - 1.5 * this.radius, 0.005 * this.radius);
-        this.camera.far = distance + 1.5 * this.radius;
-        this.camera.updateProjectionMatrix();
-        return this.camera;
-    }
-
-    private photographCamera({ camera, pixelCentre, image }: PhotographView): Camera {
-        const seen = this.throughPhotograph;
-        const distance = new Vector3(...cameraCentre(camera)).distanceTo(this.centre);
-        const near = Math.max(distance - 2 * this.radius, 0.01 * this.radius);
-        const canvas = { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
-        seen.matrixWorldInverse.fromArray(viewMatrix(camera));
-        seen.matrixWorld.copy(seen.matrixWorldInverse).invert();
-        seen.projectionMatrix.fromArray(
-            projectionMatrix(camera, pixelCentre, image, canvas, near, distance + 2 * this.radius),
-        );
-        seen.projectionMatrixInverse = new Matrix4().copy(seen.projectionMatrix).invert();
-        return seen;
+    private get canvasSize(): Size {
+        return { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
     }
 
     private fitCanvas(container: HTMLElement): void {
-        const [width, height] = [Math.max(container.clientWidth, 1), Math.max(container.clientHeight, 1)];
+        const size = { width: Math.max(container.clientWidth, 1), height: Math.max(container.clientHeight, 1) };
         const had = this.renderer.getSize(new Vector2());
-        if (had.x !== width || had.y !== height) this.renderer.setSize(width, height); // makes new buffers
-        const hadAspect = this.camera.aspect;
-        this.camera.aspect = width / height;
-        this.offsetCamera();
-        this.camera.updateProjectionMatrix();
-        if (!this.hasPose && this.mesh && hadAspect !== this.camera.aspect) this.fitQuietly();
-        this.dirty = true;
+        if (had.x !== size.width || had.y !== size.height) this.renderer.setSize(size.width, size.height); // makes new buffers
+        this.orbit.setSize(size);
     }
-
-    /** The middle of the view is the middle of what is not covered. */
-    private offsetCamera(): void {
-        const { clientWidth, clientHeight } = this.canvas;
-        const down = (this.covered.top - this.covered.bottom) / 2;
-        if (down === 0) this.camera.clearViewOffset();
-        else this.camera.setViewOffset(clientWidth, clientHeight, 0, -down, clientWidth, clientHeight);
-        this.dirty = true;
-    }
-
-    /** As fit(), of a view that nobody has touched yet. */
-    private fitQuietly(): void {
-        const direction = this.camera.position.clone().sub(this.controls.target).normalize();
-        this.camera.position.copy(this.centre).addScaledVector(direction, this.fitDistance());
-        this.controls.update();
-    }
-
-    private readonly onKey = (event: KeyboardEvent): void => {
-        const turn = event.shiftKey ? 0.3 : 0.1; // radians
-        const action = {
-            ArrowLeft: () => this.turn(turn, 0),
-            ArrowRight: () => this.turn(-turn, 0),
-            ArrowUp: () => this.turn(0, turn),
-            ArrowDown: () => this.turn(0, -turn),
-            "+": () => this.zoom(0.88),
-            "=": () => this.zoom(0.88),
-            "-": () => this.zoom(1 / 0.88),
-            f: () => this.fit(),
-        }[event.key];
-        if (!action || event.ctrlKey || event.metaKey || event.altKey) return;
-        event.preventDefault();
-        action();
-    };
-
-    private turn(sideways: number, upwards: number): void {
-        this.leavePhotograph();
-        const { up } = this.camera;
-        const offset = this.camera.position.clone().sub(this.controls.target);
-        const right = new Vector3().crossVectors(up, offset).normalize();
-        const elevation = Math.asin(Math.min(Math.max(offset.clone().normalize().dot(up), -1), 1));
-        const rise = Math.min(Math.max(elevation + upwards, -1.5), 1.5) - elevation;
-        offset.applyAxisAngle(right, -rise).applyAxisAngle(up, -sideways);
-        this.camera.position.copy(this.controls.target).add(offset);
-        this.controls.update();
-        this.dirty = true;
-        this.onMoved();
-    }
-
-    private zoom(factor: number): void {
-        this.leavePhotograph();
-        const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
-        this.camera.position.copy(this.controls.target).add(offset);
-        this.controls.update();
-        this.dirty = true;
-        this.onMoved();
-    }
-}
-
-/** To 0 .. 1: a frame's time may be a little before the change that it shows. */
-function clamped(t: number): number {
-    return Math.min(Math.max(t, 0), 1);
-}
-
-/** Quick at first, soft at the end. */
-function ease(t: number): number {
-    return 1 - (1 - t) ** 3;
 }

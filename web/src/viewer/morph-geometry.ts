@@ -17,8 +17,8 @@ interface Buffers {
     /** r g b, and in the fourth byte how much the last budget step changed the vertex. */
     readonly tint: BufferAttribute;
     readonly faces: BufferAttribute;
-    /** Two ends for each halfedge: of the edge if its start is the smaller vertex, else of nothing. */
-    readonly edges: BufferAttribute;
+    /** Two ends for each halfedge: of the edge if its start is the smaller vertex, else of nothing; once edges are shown. */
+    edges: BufferAttribute | undefined;
 }
 
 /**
@@ -66,7 +66,7 @@ export class MorphGeometry {
         copyNormals(model.normals, buffers.normal, changes.normals);
         copyColours(mesh, buffers.tint, changes.colours);
         copyFaces(mesh, buffers.faces, changes.faces);
-        if (this.hasEdges) copyEdges(buffers, changes.faces);
+        if (this.hasEdges && buffers.edges) copyEdges(mesh.triangles, buffers.edges, changes.faces);
         startAtParents(mesh, buffers, known);
         const touched = merged([...moved, ...changes.vertices]);
         uploadRanges(buffers.positionFrom, touched);
@@ -79,7 +79,7 @@ export class MorphGeometry {
 
     /** Keeps the edges up to date from now on, or no longer. */
     showEdges(shown: boolean): void {
-        if (shown && !this.hasEdges && this.buffers) copyEdges(this.buffers, [{ first: 0, count: this.nFaces }]);
+        if (shown && !this.hasEdges && this.buffers) this.copyAllEdges(this.buffers);
         this.hasEdges = shown;
     }
 
@@ -132,19 +132,29 @@ export class MorphGeometry {
             normal: grown(new Int16Array(4 * nVertices), old?.normal, 4, true),
             tint: grown(new Uint8Array(4 * nVertices), old?.tint, 4, true),
             faces: grown(new Uint32Array(nCorners), old?.faces, 1),
-            edges: grown(new Uint32Array(2 * nCorners), old?.edges, 1),
+            edges: undefined,
         };
-        const { position, positionFrom, normal, tint, faces, edges } = this.buffers;
-        for (const [geometry, index] of [[this.geometry, faces], [this.edgeGeometry, edges]] as const) {
+        const { position, positionFrom, normal, tint, faces } = this.buffers;
+        for (const geometry of [this.geometry, this.edgeGeometry]) {
             geometry.dispose();
             geometry.setAttribute("position", position);
             geometry.setAttribute("positionFrom", positionFrom);
             geometry.setAttribute("normal", normal);
             geometry.setAttribute("tint", tint);
-            geometry.setIndex(index);
             geometry.boundingSphere = new Sphere(new Vector3(), Infinity); // one object, always in view
         }
+        this.geometry.setIndex(faces);
+        this.edgeGeometry.setIndex(null);
+        if (this.hasEdges) this.copyAllEdges(this.buffers);
         return this.buffers;
+    }
+
+    /** Those of the faces that are there. */
+    private copyAllEdges(buffers: Buffers): void {
+        const { array } = buffers.faces;
+        buffers.edges ??= new BufferAttribute(new Uint32Array(2 * array.length), 1).setUsage(DynamicDrawUsage);
+        copyEdges(array, buffers.edges, [{ first: 0, count: this.nFaces }]);
+        this.edgeGeometry.setIndex(buffers.edges);
     }
 }
 
@@ -207,8 +217,7 @@ function copyFaces(mesh: ProgressiveMesh, faces: BufferAttribute, ranges: readon
     }
 }
 
-function copyEdges({ faces, edges }: Buffers, ranges: readonly Range[]): void {
-    const triangles = faces.array;
+function copyEdges(triangles: ArrayLike<number>, edges: BufferAttribute, ranges: readonly Range[]): void {
     const { array } = edges;
     for (const { first, count } of ranges) {
         for (let h = 3 * first; h < 3 * (first + count); ++h) {

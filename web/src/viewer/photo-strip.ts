@@ -2,7 +2,7 @@ import type { CameraInfo, Cameras } from "./api.js";
 import { fittedRectangle } from "./camera-view.js";
 import type { Size } from "./camera-view.js";
 import { h, icon, icons } from "./dom.js";
-import type { PhotographView } from "./model-view.js";
+import type { PhotographView } from "./photograph-camera.js";
 import { showPicture } from "./server-file.js";
 
 /** The input photographs as a strip, and the one that is looked through, behind the mesh or blended over it. */
@@ -23,6 +23,7 @@ export class PhotoStrip {
     private readonly inView: IntersectionObserver;
     private current: number | undefined;
     private image: Size | undefined;
+    private showsPictures = false;
 
     constructor(cameras: Cameras, stage: HTMLElement) {
         this.cameras = cameras;
@@ -43,8 +44,10 @@ export class PhotoStrip {
         this.inView = new IntersectionObserver((entries) => this.load(entries), { root: this.strip, rootMargin: "0px 200px" });
     }
 
-    /** Loads the small pictures as they come into view, from now on: they are to wait for the model itself. */
+    /** Loads the small pictures as they come into view, from now on. */
     showPictures(): void {
+        if (this.showsPictures) return;
+        this.showsPictures = true;
         for (const button of this.buttons) this.inView.observe(button);
     }
 
@@ -86,7 +89,10 @@ export class PhotoStrip {
             if (!isIntersecting) continue;
             this.inView.unobserve(target);
             const camera = this.cameras.cameras[this.buttons.indexOf(target as HTMLButtonElement)];
-            void showPicture(target.querySelector("img")!, camera.photograph).catch(() => target.classList.add("missing"));
+            const image = target.querySelector("img")!;
+            void showPicture(image, camera.thumbnail)
+                .catch(() => showPicture(image, camera.photograph)) // of a model that was made before there were thumbnails
+                .catch(() => target.classList.add("missing"));
         }
     }
 

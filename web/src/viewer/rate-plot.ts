@@ -53,6 +53,7 @@ export class RatePlot {
 
     /** Moves the point to a mesh of so many vertices. */
     setCurrent(vertices: number): void {
+        if (vertices === this.current) return;
         this.current = vertices;
         this.drawMarker();
     }

@@ -21,6 +21,7 @@ void main() {
 // Colours are those of photographs, which have light and shade in them already, so they are lit but a little.
 const fragmentShader = /* glsl */ `
 uniform int shading;
+uniform float coloured;
 uniform vec3 clay;
 varying vec3 eyePosition;
 varying vec3 eyeNormal;
@@ -41,11 +42,10 @@ void main() {
     float rim = pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
     float light = 0.30 + 0.28 * sky + 0.50 * key;
     vec3 colour;
-    if (shading == 0) {
-        colour = vertexTint.rgb * (0.84 + 0.22 * key);
-    } else if (shading == 1) {
+    if (shading <= 1) {
         float gloss = pow(max(dot(reflect(-normalize(vec3(-0.35, 0.55, 0.75)), n), toEye), 0.0), 24.0);
         colour = clay * light + 0.10 * rim + 0.08 * gloss;
+        if (shading == 0) colour = mix(colour, vertexTint.rgb * (0.84 + 0.22 * key), coloured);
     } else if (shading == 2) {
         colour = 0.5 + 0.5 * n;
     } else {
@@ -65,6 +65,8 @@ export interface Materials {
     readonly surface: ShaderMaterial;
     readonly edges: ShaderMaterial;
     setMorph(progress: number): void;
+    /** How far the colours have come out of the plain surface, 0 to 1. */
+    setColoured(progress: number): void;
     setShading(shading: Shading): void;
 }
 
@@ -73,7 +75,7 @@ export function newMaterials(): Materials {
     const surface = new ShaderMaterial({
         vertexShader,
         fragmentShader,
-        uniforms: { morph: shared, shading: { value: 0 }, clay: { value: new Color(0.82, 0.8, 0.76) } },
+        uniforms: { morph: shared, shading: { value: 0 }, coloured: { value: 0 }, clay: { value: new Color(0.82, 0.8, 0.76) } },
         polygonOffset: true,
         polygonOffsetFactor: 1,
         polygonOffsetUnits: 1,
@@ -89,6 +91,7 @@ export function newMaterials(): Materials {
         surface,
         edges,
         setMorph: (progress) => (shared.value = progress),
+        setColoured: (progress) => (surface.uniforms["coloured"].value = progress),
         setShading: (shading) => (surface.uniforms["shading"].value = shadings.indexOf(shading)),
     };
 }

@@ -1,6 +1,6 @@
 // What an address says beside the model: the budget and the view that it opens with.
 import type { Budget } from "../client/index.js";
-import type { Pose } from "./model-view.js";
+import type { Pose } from "./orbit-camera.js";
 import { shadings } from "./shading.js";
 import type { Shading } from "./shading.js";
 

@@ -39,7 +39,6 @@ export class ThumbnailPainter {
             if (cameras.length > 0) view.setOrientation(meanUp(cameras), cameraCentre(cameras[0]));
             view.setModel(model);
             if (!model.mesh) return;
-            if (!model.mesh.hasColours) view.setShading("plain");
             view.begin(model.mesh);
             const { left, top, width, height } = view.drawPicture(size);
             [canvas.width, canvas.height] = [width, height];
