@@ -20,6 +20,9 @@ struct ColourResidual {
     friend bool operator==(const ColourResidual&, const ColourResidual&) = default;
 };
 
+/// A prediction, corrected.
+Rgb8 corrected(const Rgb8& prediction, const ColourResidual& residual, const ColourSteps& steps);
+
 /// The ends of the edge on which a split put a vertex.
 using EdgeEnds = std::array<std::int32_t, 2>;
 
@@ -40,17 +43,12 @@ public:
     /// Sets so many vertices of a base without colours to their prediction.
     void predict_base(std::size_t n_vertices);
 
-    /// The residual that takes a prediction nearest to a colour, or, if bits have a price, that of least error plus
-    /// price.
-    /// @param bit_price  mean squared error of the three channels that a bit is worth, 0 or more
-    ColourResidual quantise(const Rgb8& prediction, const Rgb8& colour, double bit_price = 0) const;
     std::span<const Rgb8> colours() const { return colours_; }
     /// Rolling hash over all corrected colours.
     std::uint32_t hash() const { return hash_.value(); }
 
 private:
     Rgb8 midpoint(const EdgeEnds& ends) const;
-    Rgb8 corrected(const Rgb8& prediction, const ColourResidual& residual) const;
     void write(std::size_t vertex, const Rgb8& prediction, const ColourResidual& residual);
 
     ColourSteps steps_;

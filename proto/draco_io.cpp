@@ -19,6 +19,7 @@ namespace {
 // The start of every Draco string: "DRACO", version (2), geometry type, method, flags (2), then the geometry's own
 // counts.
 constexpr std::size_t version_offset = 5, type_offset = 7, method_offset = 8, flags_offset = 9, geometry_offset = 11;
+constexpr std::size_t groups_offset = 15;  // of a point cloud: its number of groups of attributes
 constexpr std::int32_t max_magnitude = 1 << 25;
 
 [[noreturn]] void fail(const std::string& what) { throw DecodeError("Draco payload: " + what); }
@@ -126,7 +127,7 @@ std::vector<std::byte> encode(draco::ExpertEncoder& encoder) {
 }
 
 /// Edgebreaker allocates by counts that stand at the front of its data: they must be those of the header.
-void check_mesh_counts(draco::DecoderBuffer buffer, std::size_t n_vertices, std::size_t n_faces) {
+void check_mesh_layout(draco::DecoderBuffer buffer, std::size_t n_vertices, std::size_t n_faces) {
     buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(2, 2));
     buffer.Advance(geometry_offset + 1);  // behind the traversal type
     std::uint32_t vertices = 0, faces = 0;
@@ -135,6 +136,8 @@ void check_mesh_counts(draco::DecoderBuffer buffer, std::size_t n_vertices, std:
         fail("expected a mesh of " + std::to_string(n_vertices) + " vertices and " + std::to_string(n_faces) +
              " faces");
     }
+    std::uint8_t n_others = 0;
+    if (!buffer.Decode(&n_others) || n_others != 0) fail("expected no attribute beside the position");
 }
 
 }  // namespace
@@ -161,6 +164,7 @@ std::vector<std::byte> encode_point_cloud(std::size_t n_points, std::span<const 
 std::vector<IntAttribute> decode_point_cloud(std::span<const std::byte> bytes, std::size_t n_points,
                                              std::span<const int> n_components) {
     draco::DecoderBuffer buffer = open(bytes, draco::POINT_CLOUD, 3, draco::POINT_CLOUD_SEQUENTIAL_ENCODING);
+    if (bytes.size() <= groups_offset || bytes[groups_offset] != std::byte{1}) fail("expected one group of attributes");
     CheckedDecoder<draco::PointCloudSequentialDecoder> decoder(n_points, n_components);
     draco::PointCloud cloud;
     run(decoder, buffer, cloud);
@@ -192,7 +196,7 @@ std::vector<std::byte> encode_draco_mesh(const BaseMesh& mesh) {
 
 BaseMesh decode_draco_mesh(std::span<const std::byte> bytes, std::size_t n_vertices, std::size_t n_faces) {
     draco::DecoderBuffer buffer = open(bytes, draco::TRIANGULAR_MESH, 2, draco::MESH_EDGEBREAKER_ENCODING);
-    check_mesh_counts(buffer, n_vertices, n_faces);
+    check_mesh_layout(buffer, n_vertices, n_faces);
     constexpr int three[] = {3};
     CheckedDecoder<draco::MeshEdgebreakerDecoder> decoder(n_vertices, three);
     draco::Mesh mesh;

@@ -17,6 +17,7 @@ constexpr std::array<std::uint8_t, 8> magic = {0x89, 'A', 'R', 'L', 0x0D, 0x0A, 
 constexpr std::uint16_t this_major = 1, this_minor = 0;
 constexpr std::uint8_t rule_id = 1;  // predictor, flips, smoothing and updates have one rule each so far
 constexpr std::size_t max_header_size = 4096;
+constexpr std::size_t size_known = 16;  // bytes, the last four of which tell the header's own
 constexpr std::size_t flags_offset = 72, crc_offset = 92;
 constexpr std::uint32_t flag_sealed = 1;
 
@@ -77,9 +78,11 @@ std::vector<std::byte> encode_header(const Header& header) {
 }
 
 std::size_t header_bytes_needed(std::span<const std::byte> bytes) {
-    ByteReader in(bytes, "header");
-    const auto start = in.take_bytes(magic.size());
-    require(std::ranges::equal(start, std::as_bytes(std::span(magic))), "the magic bytes 89 'ARL' of a log");
+    const auto start = bytes.first(std::min(bytes.size(), magic.size()));
+    require(std::ranges::equal(start, std::as_bytes(std::span(magic)).first(start.size())),
+            "the magic bytes 89 'ARL' of a log");
+    require(bytes.size() >= size_known, std::to_string(header_size) + " bytes, got " + std::to_string(bytes.size()));
+    ByteReader in(bytes.subspan(magic.size()), "header");
     const auto major = in.take<std::uint16_t>();
     require(major == this_major, "major version 1, got " + std::to_string(major) + ": a newer reader is needed");
     in.take<std::uint16_t>();

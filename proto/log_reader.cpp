@@ -86,7 +86,7 @@ std::size_t verify_log(std::span<const std::byte> log) {
     }
     ModelDecoder decoder;
     decoder.feed(log);
-    if (!decoder.state()) throw DecodeError("log: it has no base");
+    if (!decoder.state()) throw DecodeError("log: expected a base behind its header, found none");
     return layout.frames.size();
 }
 

@@ -74,6 +74,26 @@ struct LogWriter::State {
         rows.push_back(out.row);
     }
 
+    /// Takes the colours of a frame as near to the wished ones as bits are worth it: once on trial, to see what its
+    /// tables will be, then by these.
+    /// @param correct  corrects the frame's vertices in a state, asking for each residual
+    template <class Correct>
+    std::vector<ColourResidual> correct_colours(std::span<const Rgb8> wished, Correct&& correct) {
+        ColourRounding rounding(colour_coding);
+        std::vector<ColourResidual> residuals;
+        const auto choose = [&](std::size_t i, const Rgb8& prediction) {
+            return residuals.emplace_back(rounding.residual(prediction, wished[i]));
+        };
+        if (colour_coding.bit_price > 0) {
+            ColourState trial = *colours;
+            correct(trial, choose);
+            rounding.learn(residuals);
+            residuals.clear();
+        }
+        correct(*colours, choose);
+        return residuals;
+    }
+
     /// Replays one packet and encodes it, with its colours if there are any.
     void packet(std::span<const SplitRecord> records, std::span<const Rgb8> new_colours, std::int32_t previous_face,
                 const DistortionPoint& distortion, std::vector<Outgoing>& frames);
@@ -143,10 +163,9 @@ void LogWriter::base_attributes(std::span<const Rgb8> colours, const DistortionP
         throw InputError("log writer: expected " + std::to_string(s.n_vertices()) + " base colours, got " +
                          std::to_string(colours.size()));
     }
-    std::vector<ColourResidual> residuals;
-    s.colours->correct_base(*s.replica, [&](std::size_t v, const Rgb8& prediction) {
-        return residuals.emplace_back(s.colours->quantise(prediction, colours[v], s.colour_coding.bit_price));
-    });
+    const std::vector<ColourResidual> residuals = s.correct_colours(
+        colours,
+        [&](ColourState& state, const ColourState::ChooseResidual& choose) { state.correct_base(*s.replica, choose); });
     s.has_base_colours = true;
     s.send(s.frame({.type = FrameType::colour, .flags = frame_flag_ancillary, .state_hash = s.colours->hash()},
                    encode_colour(residuals), distortion));
@@ -173,10 +192,9 @@ void LogWriter::State::packet(std::span<const SplitRecord> records, std::span<co
 
     colours->predict(ends);
     if (new_colours.empty()) return;
-    std::vector<ColourResidual> residuals;
-    colours->correct(before, ends, [&](std::size_t i, const Rgb8& prediction) {
-        return residuals.emplace_back(colours->quantise(prediction, new_colours[i], colour_coding.bit_price));
-    });
+    const std::vector<ColourResidual> residuals = correct_colours(
+        new_colours,
+        [&](ColourState& state, const ColourState::ChooseResidual& choose) { state.correct(before, ends, choose); });
     info.type = FrameType::colour;
     info.flags = frame_flag_ancillary;
     info.state_hash = colours->hash();

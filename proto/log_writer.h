@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/progressive/model_sink.h"
+#include "proto/colour_rounding.h"
 #include "proto/header.h"
 #include "proto/index.h"
 
@@ -15,14 +16,6 @@ namespace anyrate {
 
 /// Takes the next bytes of a log; called once per whole header or frame. It may throw IoError.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
-
-/// How colours are rounded. On four reconstructions of 10,000 vertices the default takes 6.0 to 8.5 bits a vertex at a
-/// mean error of 2.0 of 255 (tests/bench/colour_rate). Steps of 5 and 10, or bits counted as each packet's own tables
-/// would have them, would take 1 to 2 % less; a price on absolute instead of squared errors, 1 %.
-struct ColourCoding {
-    ColourSteps steps{.luma = 6, .chroma = 10};
-    double bit_price = 1.8;  ///< mean squared error of the three channels that a bit is worth; 0: to the nearest
-};
 
 /// Encodes a model as it is made: header, base, colours, then refine and colour frames, each handed to the byte sink as
 /// soon as it is whole (the live form of proto/FORMAT.md, no index). After each frame rows() has one more row.
@@ -63,9 +56,9 @@ struct SealOptions {
     std::uint32_t splits_per_packet = 2048;
     /// What a byte of the whole log counts beside one of the expected prefix (plan_packets). Large packets spare
     /// Draco's tables and our frames, but a budget is answered with whole ones. Beside the live logs of four
-    /// reconstructions of 10,000 vertices 0.5 takes 5 to 9 % off the whole and 0.5 to 2 % off the mean prefix; packets of
-    /// up to 1,024 splits would take 8 to 11 % off the whole and add 5 to 11 %. Infinite: only the whole counts.
-    double whole_weight = 0.5;
+    /// reconstructions of 10,000 vertices 1 takes 6 to 11 % off the whole and 0.3 to 2 % off the mean prefix; 0.5 takes
+    /// 5 to 9 % and 0.5 to 4 % off; 2 would take 7 to 12 % off the whole, and lengthen the prefix of three of them.
+    double whole_weight = 1;
 };
 
 /// As few packets as a number of splits allows, whatever that does to prefixes.

@@ -218,7 +218,7 @@ bool ModelDecoder::ended() const { return state_->order && state_->order->ended(
 const ColourState* ModelDecoder::colours() const { return state_->colours ? &*state_->colours : nullptr; }
 
 Mesh ModelDecoder::mesh() const {
-    if (!state_->mesh) throw DecodeError("log: no mesh yet, its base has not arrived");
+    if (!state_->mesh) throw DecodeError("log: expected a base, which has not arrived");
     Mesh mesh = state_->mesh->to_mesh();
     if (state_->has_colours) mesh.colours.assign(state_->colours->colours().begin(), state_->colours->colours().end());
     return mesh;

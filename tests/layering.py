@@ -31,7 +31,7 @@ THIRD_PARTIES = {
     r"OpenMesh/": ["core/mesh/surface.h", "core/mesh/decimate.cpp"],
     r"nlohmann/": ["core/capture/cameras_json.cpp", "core/mesh/glb.cpp", "server/*.cpp", "server/jobs/json_line.h"],
     r"archive(_entry)?\.h": ["core/capture/zip_archive.cpp", "server/store/zip_writer.cpp"],
-    r"sqlite3\.h": ["server/store/sqlite_catalog.cpp"],
+    r"sqlite3\.h": ["server/store/sqlite.h"],
     r"seccomp\.h": ["server/jobs/sandbox.cpp"],
     r"boost/crc\.hpp": ["core/capture/image_header.cpp"],
     r"boost/(?!crc)": ["server/http/*", "server/client/*.cpp", "server/client/client_stream.h"],

@@ -5,15 +5,15 @@
 #include <numeric>
 #include <string>
 
-#include "core/encoding/base_fit.h"
 #include "core/encoding/closed_surface.h"
-#include "core/encoding/normal_fit.h"
 #include "core/encoding/surface_colours.h"
-#include "core/encoding/surface_meter.h"
-#include "core/encoding/true_surface.h"
 #include "core/error.h"
+#include "core/mesh/coarse_fit.h"
+#include "core/mesh/normal_fit.h"
 #include "core/mesh/normals.h"
+#include "core/mesh/surface_meter.h"
 #include "core/mesh/triangle_shape.h"
+#include "core/mesh/true_surface.h"
 #include "core/progressive/base_on_grid.h"
 #include "core/progressive/batch_selection.h"
 #include "core/progressive/trial_batch.h"
@@ -132,7 +132,7 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     const TrueSurface surface(mesh, std::clamp(samples_per_vertex * options.n_vertices, fewest_samples, most_samples));
     if (stop.stop_requested()) return EncodeEnd::before_the_base;
     SurfaceMeter base_meter(surface);
-    const Mesh coarse = fit_base(mesh, options.n_coarse, base_meter);
+    const Mesh coarse = fit_coarse_mesh(mesh, options.n_coarse, base_meter);
     if (stop.stop_requested()) return EncodeEnd::before_the_base;
 
     // From here on only the decoded integer state counts.

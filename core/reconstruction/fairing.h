@@ -15,4 +15,9 @@ namespace anyrate {
 /// @param attachment  without unit, above 0
 void fair(Mesh& mesh, std::span<const char> movable, double attachment);
 
+/// Stretches the flagged parts of a surface over the rest like a membrane: each flagged vertex becomes the mean of its
+/// ring. Within a flat rim the result is flat; a part without a rim hardly moves.
+/// @param movable  one flag a vertex
+void stretch(Mesh& mesh, std::span<const char> movable);
+
 }  // namespace anyrate

@@ -45,16 +45,17 @@ std::vector<char> GuessedSurface::vertices(const SurfaceView& surface) const {
     return guessed;
 }
 
-std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const OrientedPoint> silhouette_points,
-                                          std::span<const DepthMap> maps, const EvidenceOptions& options) {
+std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const char> unseen,
+                                          const SilhouettePoints& silhouette, std::span<const DepthMap> maps,
+                                          const EvidenceOptions& options) {
     const std::vector<Vec3> normals = vertex_normals(surface, OneRings(surface));
-    const PointGrid silhouette(silhouette_points, options.reach);
+    const PointGrid all(silhouette.all, options.reach), seen(silhouette.seen, options.reach);
     std::vector<Vec3> centres;
     for (const DepthMap& map : maps) centres.push_back(map.step > 0 ? centre_of(map.P) : Vec3::Zero());
     std::vector<char> guessed(surface.vertices.size());
     parallel_for(guessed.size(), [&](std::size_t v) {
         const OrientedPoint point{surface.vertices[v], normals[v], 0.0};
-        if (is_near(silhouette, point)) return;
+        if (is_near(unseen[v] != 0 ? seen : all, point)) return;
         int n_views = 0;
         for (std::size_t i = 0; i < maps.size() && n_views < options.n_views; ++i)
             n_views += maps[i].step > 0 && shows(maps[i], centres[i], point, options.tolerance_px);

@@ -39,9 +39,16 @@ struct EvidenceOptions {
     int n_views = 1;          ///< that must show it
 };
 
+/// The points of the visual hull, without those that views see through.
+struct SilhouettePoints {
+    std::span<const OrientedPoint> all;
+    std::span<const OrientedPoint> seen;  ///< those that enough views look at
+};
+
 /// The vertices of `surface` that neither a silhouette nor the depth maps show.
-/// @param silhouette_points  of the visual hull, without those that views see through
-std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const OrientedPoint> silhouette_points,
-                                          std::span<const DepthMap> maps, const EvidenceOptions& options);
+/// @param unseen  one flag a vertex: 1 where only the seen points count, see unseen_vertices()
+std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<const char> unseen,
+                                          const SilhouettePoints& silhouette, std::span<const DepthMap> maps,
+                                          const EvidenceOptions& options);
 
 }  // namespace anyrate

@@ -9,10 +9,12 @@
 #include "core/parallel.h"
 #include "core/reconstruction/confirmed_depth.h"
 #include "core/reconstruction/depth_votes.h"
+#include "core/reconstruction/fairing.h"
 #include "core/reconstruction/iso_surface.h"
 #include "core/reconstruction/plane_sweep.h"
 #include "core/reconstruction/poisson.h"
 #include "core/reconstruction/seen_through.h"
+#include "core/reconstruction/unseen_surface.h"
 
 namespace anyrate {
 namespace {
@@ -77,9 +79,12 @@ InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images
     InitialSurface initial;
     parallel_invoke([&] { shown = confirm_depths(swept, contradicted); },
                     [&] { initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing); });
-    initial.guessed =
-        GuessedSurface(guessed_points(initial.mesh, hull.points, shown, {.reach = hull_reach_cells * hull.cell}),
-                       reach_cells * spacing);
+    const std::vector<char> unseen = unseen_vertices(initial.mesh, images);
+    stretch(initial.mesh, unseen);
+    const std::vector<OrientedPoint> seen = without_unseen(hull.points, images);
+    initial.guessed = GuessedSurface(
+        guessed_points(initial.mesh, unseen, {hull.points, seen}, shown, {.reach = hull_reach_cells * hull.cell}),
+        reach_cells * spacing);
     report(Stage::poisson, 1.0);
     return initial;
 }

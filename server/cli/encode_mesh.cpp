@@ -13,6 +13,7 @@
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/log_id.h"
+#include "server/cli/number_check.h"
 #include "server/cli/progress_bar.h"
 #include "server/cli/temporary_log.h"
 #include "server/cli/thread_limit.h"
@@ -84,15 +85,15 @@ void add_encode_mesh(CLI::App& app, Command& command) {
         ->required();
     sub->add_option("-o,--output", request->model, "the model to write (.arl)")->required();
     sub->add_option("--vertices", request->options.n_vertices, "of the finest mesh")
-        ->check(CLI::PositiveNumber)
+        ->check(above_zero())
         ->capture_default_str();
     const int default_coarse = request->options.n_coarse;
     sub->add_option(
            "--coarse", request->n_coarse,
            "vertices of the coarse mesh (" + std::to_string(default_coarse) + ", or --vertices if that is less)")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     sub->add_option("--threads", request->n_threads, "at most N threads; every processor by default")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     sub->add_flag("--quiet", request->quiet, "say nothing but errors");
     sub->callback([request, default_coarse, &command] {
         request->options.n_coarse = request->n_coarse.value_or(std::min(default_coarse, request->options.n_vertices));

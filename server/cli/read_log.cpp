@@ -24,7 +24,9 @@ std::vector<std::byte> read_standard_input() {
 std::vector<std::byte> read_log(const std::filesystem::path& file) {
     if (file == "-") return read_standard_input();
     if (!std::filesystem::is_regular_file(file)) {
-        throw InputError(file.string() + ": expected the log of a model (.arl), found no such file");
+        const bool is_there = std::filesystem::exists(file);
+        throw InputError(file.string() + ": expected the log of a model (.arl), found " +
+                         (is_there ? "what is no file" : "no such file"));
     }
     return read_file(file);
 }

@@ -124,7 +124,8 @@ void add_operation_options(CLI::App& sub, ServeCommand& request) {
         ->envname("ANYRATE_MAX_CONNECTIONS")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
-    sub.add_option("--network-threads", request.n_network_threads, "threads that serve connections")
+    sub.add_option("--network-threads", request.n_network_threads,
+                   "threads that serve connections; as many as there are processors: each stays on one")
         ->envname("ANYRATE_NETWORK_THREADS")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();

@@ -1,11 +1,10 @@
 #include "server/http/http_session.h"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
-#include <boost/asio/write.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/string.hpp>
-#include <boost/beast/http.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <filesystem>
 #include <optional>
@@ -17,48 +16,24 @@
 #include "server/http/cors.h"
 #include "server/http/events_session.h"
 #include "server/http/file_response.h"
-#include "server/http/hot_path.h"
+#include "server/http/hot_session.h"
+#include "server/http/http_connection.h"
 #include "server/http/live_session.h"
 #include "server/http/on_pool.h"
 #include "server/http/problem.h"
 #include "server/http/request_id.h"
+#include "server/http/request_reader.h"
 #include "server/http/response_writer.h"
-#include "server/http/target.h"
-#include "server/http/wake_up.h"
 #include "server/store/model_id.h"
 
 namespace anyrate {
 namespace {
 
 namespace http = beast::http;
-using Parser = http::request_parser<http::buffer_body>;
-
-/// One connection between two requests and while one is served. Lives on one network thread.
-struct Connection {
-    Connection(tcp::socket socket, NetworkThread& thread, asio::ssl::context* tls, ServerContext& server)
-        : client(client_of(socket)),
-          stream(std::make_shared<Stream>(std::move(socket), thread.deadlines(), tls)),
-          context(server),
-          wake_up(WakeUp::make(stream->get_executor())) {}
-
-    static std::string client_of(const tcp::socket& socket) {
-        ErrorCode error;  // then it is gone already
-        const auto endpoint = socket.remote_endpoint(error);
-        return error ? "" : endpoint.address().to_string();
-    }
-
-    std::string client;  ///< its address
-    std::shared_ptr<Stream> stream;
-    ServerContext& context;
-    beast::flat_buffer buffer;
-    std::shared_ptr<WakeUp> wake_up;  ///< raised when the server drains
-    bool is_idle = false;             ///< waits for a request
-    bool must_close = false;          ///< after this response
-};
 
 /// What is told of a request when it is answered.
 struct Account {
-    explicit Account(Connection& connection) : connection_(connection) {}
+    explicit Account(HttpConnection& connection) : connection_(connection) {}
     Account(const Account&) = delete;
     Account& operator=(const Account&) = delete;
 
@@ -86,7 +61,7 @@ struct Account {
     }
 
 private:
-    Connection& connection_;
+    HttpConnection& connection_;
     std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
@@ -106,103 +81,6 @@ private:
     std::filesystem::path path_;
 };
 
-HttpProblem reading_problem(const Connection& connection, const ErrorCode& error) {
-    if (connection.stream->has_expired()) {
-        ++connection.context.metrics.timeouts;
-        return {408, "the request did not arrive in time"};
-    }
-    if (error == http::error::header_limit) return {431, "the request's header is longer than the server takes"};
-    if (error == http::error::body_limit) return {413, "the request's body is longer than the server takes"};
-    return {400, "this is no HTTP request: " + error.message()};
-}
-
-bool is_end_of_connection(const ErrorCode& error) {
-    return error == http::error::end_of_stream || error == http::error::partial_message ||
-           error == asio::error::connection_reset || error == asio::error::operation_aborted ||
-           error == asio::error::eof || error == asio::error::broken_pipe;
-}
-
-/// Reads a header. @return false if the connection ended before there was one @throws HttpProblem
-awaitable<bool> read_header(Connection& connection, Parser& parser) {
-    const HttpLimits& limits = connection.context.limits;
-    parser.header_limit(static_cast<std::uint32_t>(limits.max_header_bytes));
-    parser.body_limit(limits.max_upload_bytes);
-    connection.stream->expires_after(limits.header_patience);
-    ErrorCode error;
-    connection.is_idle = true;
-    co_await http::async_read_header(*connection.stream, connection.buffer, parser,
-                                     asio::redirect_error(use_awaitable, error));
-    connection.is_idle = false;
-    if (!error) co_return true;
-    const bool said_nothing = connection.buffer.size() == 0 && !parser.got_some();
-    const bool is_late = connection.stream->has_expired();
-    if (is_late ? said_nothing : is_end_of_connection(error)) co_return false;
-    throw reading_problem(connection, error);
-}
-
-/// What a proxy in front might read in another way than this server does: one that smuggles requests lives on that.
-void expect_unambiguous(const http::request<http::buffer_body>& message) {
-    const auto n_hosts = message.count(http::field::host);
-    if (n_hosts > 1 || (n_hosts == 0 && message.version() >= 11))
-        throw HttpProblem(400, "the request has " + std::to_string(n_hosts) + " Host fields; expected one");
-    const auto codings = message.count(http::field::transfer_encoding);
-    const auto coding = message[http::field::transfer_encoding];
-    if (codings > 1 || (codings == 1 && !beast::iequals({coding.data(), coding.size()}, "chunked")))
-        throw HttpProblem(501, "Transfer-Encoding \"" + std::string(coding) + "\": expected chunked or none");
-}
-
-Request to_request(const http::request<http::buffer_body>& message) {
-    Request request;
-    request.method = std::string(message.method_string());
-    Target target = parse_target({message.target().data(), message.target().size()});
-    request.path = std::move(target.path);
-    request.query = std::move(target.query);
-    for (const auto& field : message) request.headers.add(std::string(field.name_string()), std::string(field.value()));
-    return request;
-}
-
-/// Reads the rest of the body, piece by piece. @param take gets each piece @throws HttpProblem
-template <class Take>
-awaitable<void> read_body(Connection& connection, Parser& parser, std::uint64_t max_bytes, const Take& take) {
-    std::vector<char> piece(64 * 1024);
-    std::uint64_t n_bytes = 0;
-    while (!parser.is_done()) {
-        parser.get().body() = {.data = piece.data(), .size = piece.size(), .more = true};
-        connection.stream->expires_after(connection.context.limits.body_patience);
-        ErrorCode error;
-        co_await http::async_read(*connection.stream, connection.buffer, parser,
-                                  asio::redirect_error(use_awaitable, error));
-        if (error && error != http::error::need_buffer) throw reading_problem(connection, error);
-        const std::size_t got = piece.size() - parser.get().body().size;
-        n_bytes += got;
-        connection.context.metrics.received_bytes += got;
-        if (n_bytes > max_bytes) throw reading_problem(connection, http::error::body_limit);
-        take(std::string_view(piece.data(), got));
-    }
-}
-
-awaitable<void> continue_if_expected(Connection& connection, const Request& request) {
-    if (request.headers.find("Expect").value_or("") != "100-continue") co_return;
-    constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
-    co_await asio::async_write(*connection.stream, asio::buffer(go_on.data(), go_on.size()), use_awaitable);
-}
-
-awaitable<std::uint64_t> receive_upload(Connection& connection, Parser& parser, const Request& request,
-                                        const std::filesystem::path& path) {
-    co_await continue_if_expected(connection, request);
-    const FileHandle file = create_file(path);
-    std::uint64_t n_bytes = 0;
-    co_await read_body(connection, parser, connection.context.limits.max_upload_bytes, [&](std::string_view piece) {
-        write_all(file, as_bytes(piece));
-        n_bytes += piece.size();
-    });
-    co_await on_pool(connection.context.upload_pool, [&] {
-        sync_file(file);
-        return true;
-    });
-    co_return n_bytes;
-}
-
 /// Everything about a request that is known before its body: where it goes, whether it may.
 const Route& admit(ServerContext& context, Request& request, Account& account) {
     const Route& route = context.router.find(request);
@@ -216,7 +94,7 @@ const Route& admit(ServerContext& context, Request& request, Account& account) {
     return route;
 }
 
-awaitable<Response> handle(Connection& connection, Parser& parser, Request& request, Account& account) {
+awaitable<Response> handle(HttpConnection& connection, RequestParser& parser, Request& request, Account& account) {
     ServerContext& context = connection.context;
     if (auto preflight = answer_preflight(request, context.cors_origins)) co_return std::move(*preflight);
     const Route& route = admit(context, request, account);
@@ -242,7 +120,8 @@ awaitable<Response> handle(Connection& connection, Parser& parser, Request& requ
 
 /// The handler's answer, or the problem document of what went wrong. If the body was not read to its end the connection
 /// cannot be used again.
-awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Request& request, Account& account) {
+awaitable<Response> handle_or_explain(HttpConnection& connection, RequestParser& parser, Request& request,
+                                      Account& account) {
     std::exception_ptr failure;
     try {
         co_return co_await handle(connection, parser, request, account);
@@ -265,7 +144,7 @@ awaitable<Response> handle_or_explain(Connection& connection, Parser& parser, Re
     co_return problem_response(problem);
 }
 
-awaitable<void> write(Connection& connection, const Response& response, bool head_only) {
+awaitable<void> write(HttpConnection& connection, const Response& response, bool head_only) {
     co_await write_response(*connection.stream, response,
                             {.head_only = head_only,
                              .keep_alive = !connection.must_close,
@@ -273,7 +152,7 @@ awaitable<void> write(Connection& connection, const Response& response, bool hea
 }
 
 /// Lets a client that is still sending read the answer before the connection goes: closing at once would reset it.
-awaitable<void> linger(Connection& connection) {
+awaitable<void> linger(HttpConnection& connection) {
     Stream& stream = *connection.stream;
     stream.expires_after(std::chrono::seconds(5));
     co_await stream.send_end();
@@ -289,7 +168,7 @@ Response upgrade_required() {
 }
 
 /// The answer goes on as a WebSocket. @return a response if the client did not ask for one
-awaitable<std::optional<Response>> go_on_live(Connection& connection, Parser& parser, LiveBody live) {
+awaitable<std::optional<Response>> go_on_live(HttpConnection& connection, RequestParser& parser, LiveBody live) {
     if (!beast::websocket::is_upgrade(parser.get())) co_return upgrade_required();
     http::request<http::empty_body> upgrade{http::request_header<>(parser.get().base())};
     connection.buffer.clear();  // there may be thousands of such connections, idle for hours
@@ -298,7 +177,7 @@ awaitable<std::optional<Response>> go_on_live(Connection& connection, Parser& pa
     co_return std::nullopt;
 }
 
-awaitable<void> go_on_with_events(Connection& connection, const Request& request, const Response& response) {
+awaitable<void> go_on_with_events(HttpConnection& connection, const Request& request, const Response& response) {
     if (request.method == "HEAD")
         co_await write_open_header(*connection.stream, response, connection.context.limits.write_patience);
     else
@@ -306,14 +185,13 @@ awaitable<void> go_on_with_events(Connection& connection, const Request& request
 }
 
 /// Serves one request. @return whether the connection can take another
-awaitable<bool> serve_request(Connection& connection) {
-    Parser parser;
+awaitable<bool> serve_request(HttpConnection& connection) {
+    RequestParser parser;
     const bool arrived = co_await read_header(connection, parser);
     if (!arrived) co_return false;
-    expect_unambiguous(parser.get());
     connection.must_close = !parser.get().keep_alive() || connection.context.sessions.is_draining();
     Account account(connection);
-    Request request = to_request(parser.get());
+    Request request = to_request(parser);
     account.request_id = request_id_of(request);
     const auto sign = [&](Response& answer) {
         answer.headers.add("X-Request-Id", account.request_id);
@@ -344,56 +222,7 @@ awaitable<bool> serve_request(Connection& connection) {
     co_return !connection.must_close;
 }
 
-/// Whether the hot path answers as the general one would: nothing asks for more than it does.
-bool may_serve_hot(const Connection& connection) {
-    const ServerContext& context = connection.context;
-    const bool is_logged = context.log_access && context.log_from_status <= 206;
-    return !connection.stream->is_tls() && !context.access.is_private && context.cors_origins.empty() && !is_logged;
-}
-
-std::string_view received(const Connection& connection) {
-    return {static_cast<const char*>(connection.buffer.data().data()), connection.buffer.size()};
-}
-
-void count_hot(Metrics& metrics, RouteMetrics& counted, std::uint64_t n_bytes,
-               std::chrono::steady_clock::time_point begun) {
-    counted.by_class[2].fetch_add(1, std::memory_order_relaxed);
-    counted.seconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
-    metrics.sent_bytes.fetch_add(n_bytes, std::memory_order_relaxed);
-}
-
-/// Serves requests for logs in memory until another one comes, whose bytes stay in the buffer.
-/// @return false if the connection ended
-awaitable<bool> serve_hot(Connection& connection) {
-    ServerContext& context = connection.context;
-    RouteMetrics& counted = *context.metrics.routes[context.hot_route];
-    std::string header;
-    for (;;) {
-        if (connection.buffer.size() > 0) {
-            if (context.sessions.is_draining()) co_return true;
-            const auto answer = answer_hot(received(connection), context.service.hot_logs, header);
-            if (!answer) co_return true;
-            connection.buffer.consume(answer->n_request_bytes);
-            // Most answers go at once; no coroutine is made for those.
-            const auto begun = std::chrono::steady_clock::now();
-            std::size_t n_sent = 0;
-            if (!write_now(*connection.stream, header, answer->body, n_sent))
-                co_await write_rest(*connection.stream, header, answer->body, n_sent, context.limits.write_patience);
-            count_hot(context.metrics, counted, answer->body.n_bytes, begun);
-            continue;
-        }
-        connection.stream->expires_after(context.limits.header_patience);
-        connection.is_idle = true;
-        ErrorCode error;
-        const std::size_t n = co_await connection.stream->async_read_some(connection.buffer.prepare(4096),
-                                                                          asio::redirect_error(use_awaitable, error));
-        connection.is_idle = false;
-        if (error) co_return false;
-        connection.buffer.commit(n);
-    }
-}
-
-awaitable<void> serve_requests(Connection& connection) {
+awaitable<void> serve_requests(HttpConnection& connection) {
     std::optional<HttpProblem> problem;
     const bool is_hot = may_serve_hot(connection);
     try {
@@ -417,7 +246,7 @@ awaitable<void> serve_requests(Connection& connection) {
 
 awaitable<void> serve_connection(tcp::socket socket, NetworkThread& thread, asio::ssl::context* tls,
                                  ServerContext& context) {
-    const auto connection = std::make_shared<Connection>(std::move(socket), thread, tls, context);
+    const auto connection = std::make_shared<HttpConnection>(std::move(socket), thread, tls, context);
     const auto on_drain = [connection] {
         asio::post(connection->stream->get_executor(), [connection] {
             connection->wake_up->raise();

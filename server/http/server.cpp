@@ -19,7 +19,7 @@
 #include "server/http/context.h"
 #include "server/http/hot_logs.h"
 #include "server/http/http_session.h"
-#include "server/http/network_thread.h"
+#include "server/http/network_threads.h"
 #include "server/http/tokens.h"
 #include "server/store/capture_store.h"
 #include "server/store/sqlite_catalog.h"
@@ -79,33 +79,28 @@ awaitable<void> pause(asio::any_io_executor executor) {
     co_await timer.async_wait(use_awaitable);
 }
 
-/// Accepts connections until the acceptor is closed, and gives them to the threads in turn.
-awaitable<void> accept_connections(tcp::acceptor& acceptor, std::vector<std::unique_ptr<NetworkThread>>& threads,
-                                   asio::ssl::context* tls, ServerContext& context) {
-    std::size_t next = 0;
+/// Accepts connections until the acceptor is closed, and gives them to the threads.
+awaitable<void> accept_connections(tcp::acceptor& acceptor, NetworkThreads& threads, asio::ssl::context* tls,
+                                   ServerContext& context) {
+    const auto protocol = acceptor.local_endpoint().protocol();
     while (acceptor.is_open()) {
         if (context.sessions.count() >= context.limits.max_connections) {
             co_await pause(acceptor.get_executor());
             continue;
         }
-        NetworkThread& thread = *threads[next++ % threads.size()];
-        tcp::socket socket(thread.loop());
+        tcp::socket accepted(acceptor.get_executor());
         ErrorCode error;
-        co_await acceptor.async_accept(socket, asio::redirect_error(use_awaitable, error));
+        co_await acceptor.async_accept(accepted, asio::redirect_error(use_awaitable, error));
         if (error == asio::error::operation_aborted) co_return;
         if (error) {  // out of descriptors, or the peer is gone again
             co_await pause(acceptor.get_executor());
             continue;
         }
-        socket.set_option(tcp::no_delay(true), error);
-        asio::co_spawn(thread.loop(), serve_connection(std::move(socket), thread, tls, context), asio::detached);
+        accepted.set_option(tcp::no_delay(true), error);
+        NetworkThread& thread = threads.of(accepted);
+        tcp::socket socket(thread.loop(), protocol, accepted.release());
+        thread.run(serve_connection(std::move(socket), thread, tls, context));
     }
-}
-
-std::vector<std::unique_ptr<NetworkThread>> make_threads(int n) {
-    std::vector<std::unique_ptr<NetworkThread>> threads;
-    for (int i = 0; i < n; ++i) threads.push_back(std::make_unique<NetworkThread>());
-    return threads;
 }
 
 void wait_for(std::stop_token stop) {
@@ -164,8 +159,8 @@ struct Server::State {
           store(options.data),
           captures(options.data),
           catalog(store.catalog_file()),
-          threads(make_threads(options.n_network_threads)),
-          acceptor(listen(threads[0]->loop(), endpoint)) {
+          threads(options.n_network_threads),
+          acceptor(listen(threads.first().loop(), endpoint)) {
         expect_safe(options, endpoint, tokens);
         store.remove_leftovers([this](const std::string& id) { return catalog.find(id).has_value(); });
         metrics.routes = metrics_of(router);
@@ -177,7 +172,7 @@ struct Server::State {
         quick_pool.join();
         heavy_pool.join();
         upload_pool.join();
-        for (const auto& thread : threads) thread->stop();
+        threads.stop();
     }
 
     SchedulerOptions counted_jobs() {
@@ -244,8 +239,8 @@ struct Server::State {
         .log = options.log,
         .log_access = options.log_access,
         .log_from_status = options.log_from_status};
-    std::vector<std::unique_ptr<NetworkThread>> threads;
-    asio::steady_timer capture_timer{threads[0]->loop()};
+    NetworkThreads threads;
+    asio::steady_timer capture_timer{threads.first().loop()};
     tcp::acceptor acceptor;  // before the scheduler: a port that is taken is found before a job begins
     std::optional<Scheduler> scheduler{std::in_place,          catalog,        events,
                                        options.worker_command, counted_jobs(), options.log};
@@ -276,7 +271,7 @@ void Server::run(std::stop_token stop) {
                    accept_connections(state.acceptor, state.threads, state.tls ? &*state.tls : nullptr, state.context),
                    asio::detached);
     watch_captures(state.capture_timer, state.quick_pool, state.captures, state.options);
-    for (const auto& thread : state.threads) thread->start();
+    state.threads.start();
     wait_for(stop);
 
     asio::post(state.acceptor.get_executor(), [&state] { state.acceptor.close(); });

@@ -9,6 +9,9 @@ namespace {
 
 constexpr std::uint64_t least_progress = 4096;
 
+/// Waits that follow one another more closely are one: a client may ask for more without taking what it has been sent.
+constexpr auto longest_pause = 4 * Deadlines::interval;
+
 }  // namespace
 
 void Deadlines::enforce(std::chrono::steady_clock::time_point now) {
@@ -53,21 +56,26 @@ void Stream::expires_after(Duration patience) {
 }
 
 void Stream::expires_without_progress(Duration patience) {
-    expires_after(patience);
+    const auto now = std::chrono::steady_clock::now();
+    has_expired_ = false;
     progress_patience_ = patience;
-    n_acknowledged_ = 0;  // the first look at it finds out
+    deadline_ = look_at_progress(now) + patience;
+}
+
+std::chrono::steady_clock::time_point Stream::look_at_progress(std::chrono::steady_clock::time_point now) {
+    const TcpProgress progress = tcp_progress(socket_.native_handle());
+    const bool begins = now - looked_at_ > longest_pause;
+    if (begins || progress.owes_nothing || progress.n_acknowledged >= n_acknowledged_ + least_progress) {
+        progress_at_ = now;
+        n_acknowledged_ = progress.n_acknowledged;
+    }
+    looked_at_ = now;
+    return progress_at_;
 }
 
 void Stream::enforce(std::chrono::steady_clock::time_point now) {
     if (!deadline_) return;
-    if (progress_patience_) {
-        const std::uint64_t n = n_bytes_acknowledged(socket_.native_handle());
-        const bool is_first_look = n_acknowledged_ == 0;
-        if (is_first_look || n >= n_acknowledged_ + least_progress) {
-            n_acknowledged_ = n;
-            if (!is_first_look) deadline_ = now + *progress_patience_;
-        }
-    }
+    if (progress_patience_) deadline_ = look_at_progress(now) + *progress_patience_;
     if (now < *deadline_) return;
     deadline_.reset();
     has_expired_ = true;

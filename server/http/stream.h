@@ -56,7 +56,7 @@ public:
 
     void expires_after(Duration patience);
     /// The deadline moves on whenever the client has acknowledged another 4 KB: it is for one that takes next to
-    /// nothing.
+    /// nothing. For one that has not acknowledged all it was sent, the next such wait goes on with the same deadline.
     void expires_without_progress(Duration patience);
     void expires_never() { deadline_.reset(); }
     bool has_expired() const { return has_expired_; }
@@ -88,6 +88,8 @@ public:
 private:
     friend class Deadlines;
     void enforce(std::chrono::steady_clock::time_point now);
+    /// @return when the client last made progress
+    std::chrono::steady_clock::time_point look_at_progress(std::chrono::steady_clock::time_point now);
 
     tcp::socket socket_;
     std::unique_ptr<asio::ssl::stream<tcp::socket&>> tls_;
@@ -95,7 +97,9 @@ private:
     std::list<Stream*>::iterator position_;
     std::optional<std::chrono::steady_clock::time_point> deadline_;
     std::optional<Duration> progress_patience_;  ///< set while progress moves the deadline
-    std::uint64_t n_acknowledged_ = 0;           ///< when the deadline was moved last
+    // Kept from one wait to the next: when progress was looked at, and when and where there was some.
+    std::chrono::steady_clock::time_point looked_at_, progress_at_;
+    std::uint64_t n_acknowledged_ = 0;
     bool has_expired_ = false;
 };
 

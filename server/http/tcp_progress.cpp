@@ -7,11 +7,12 @@
 
 namespace anyrate {
 
-std::uint64_t n_bytes_acknowledged(int socket) {
+TcpProgress tcp_progress(int socket) {
     tcp_info info{};
     socklen_t n_bytes = sizeof info;
-    const bool known = ::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &n_bytes) == 0;
-    return known ? info.tcpi_bytes_acked : 0;
+    if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &n_bytes) != 0) return {};
+    return {.n_acknowledged = info.tcpi_bytes_acked,
+            .owes_nothing = info.tcpi_unacked == 0 && info.tcpi_notsent_bytes == 0};
 }
 
 }  // namespace anyrate

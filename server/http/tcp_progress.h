@@ -3,8 +3,13 @@
 
 namespace anyrate {
 
-/// Bytes of a TCP connection that the other side has acknowledged, which is what it has taken: the kernel's own buffer
-/// hides that from who writes. 0 if the kernel does not tell.
-std::uint64_t n_bytes_acknowledged(int socket);
+/// What the peer of a TCP connection has taken.
+struct TcpProgress {
+    std::uint64_t n_acknowledged = 0;  ///< bytes since the connection began
+    bool owes_nothing = true;          ///< all that was sent is acknowledged
+};
+
+/// @return as if nothing had ever been sent, if the kernel does not tell
+TcpProgress tcp_progress(int socket);
 
 }  // namespace anyrate

@@ -36,8 +36,8 @@ public:
     void back_up(const std::filesystem::path& file);
 
 private:
-    struct Database;
-    std::unique_ptr<Database> database_;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace anyrate

@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
     app.add_option("--coarse", options.n_coarse, "of its base")->capture_default_str();
     app.add_option("--luma", coding.steps.luma, "quantiser step")->capture_default_str();
     app.add_option("--chroma", coding.steps.chroma, "quantiser step")->capture_default_str();
-    app.add_option("--bit-price", coding.bit_price, "mean squared error that a bit is worth")->capture_default_str();
+    app.add_option("--bit-price", coding.bit_price, "mean error that a bit is worth")->capture_default_str();
     app.add_option("--cameras", load.cameras_file, "name of the camera file")->capture_default_str();
     return bench::run_tool(app, argc, argv, [&] {
         Recorder recorder(coding);

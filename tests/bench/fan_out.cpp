@@ -9,32 +9,25 @@
 // Server, worker and clients are processes of their own; the worker is a stand-in that writes frames of random bytes,
 // which a server does not look into. Every client compares every byte.
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
+#include <future>
 #include <optional>
-#include <random>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/error.h"
-#include "proto/header.h"
-#include "proto/index.h"
 #include "server/client/http_client.h"
-#include "server/http/server.h"
-#include "server/jobs/worker_message.h"
-#include "server/store/live_log_file.h"
-#include "server/store/model_store.h"
+#include "server/store/file.h"
 #include "tests/bench/live_load.h"
+#include "tests/bench/synthetic_log.h"
+#include "tests/bench/synthetic_server.h"
 #include "tests/bench/tool.h"
 
 namespace fs = std::filesystem;
@@ -42,171 +35,6 @@ using namespace anyrate;
 using namespace anyrate::bench;
 
 namespace {
-
-struct Options {
-    int n_clients = 1000, n_stalled = 0;
-    int frame_bytes = 8192, frames_per_second = 20;
-    double seconds = 10;
-    int catch_up_mb = 0, idle_seconds = 0;
-    // Of the stand-in for a worker.
-    std::string worker_model;
-    fs::path data;
-
-    int n_frames() const {
-        if (catch_up_mb > 0) return (catch_up_mb << 20) / frame_bytes;
-        return std::max(1, static_cast<int>(seconds * frames_per_second));
-    }
-};
-
-/// The live log that the worker writes and the clients expect.
-struct SyntheticLog {
-    std::vector<std::byte> bytes;
-    std::vector<IndexRow> rows;
-    std::vector<std::uint64_t> frame_ends;  ///< in the file
-};
-
-constexpr std::uint64_t log_id = 0x5EED;
-
-SyntheticLog make_log(const Options& options) {
-    Header header;
-    header.log_id = log_id;
-    header.grid = {.unit = 1.0, .bits = 14, .base_shift = 2};
-    header.n_base_vertices = 6;
-    header.n_base_faces = 8;
-    SyntheticLog log{.bytes = encode_header(header), .rows = {}, .frame_ends = {}};
-    std::mt19937_64 random(7);
-    for (int i = 0; i < options.n_frames(); ++i) {
-        for (int word = 0; word < options.frame_bytes / 8; ++word) {
-            const std::uint64_t bits = random();
-            const auto* begin = reinterpret_cast<const std::byte*>(&bits);
-            log.bytes.insert(log.bytes.end(), begin, begin + 8);
-        }
-        log.frame_ends.push_back(log.bytes.size());
-        log.rows.push_back({.n_vertices = 6 + 3 * static_cast<std::uint32_t>(i),
-                            .end = static_cast<std::uint32_t>(log.bytes.size() - header_size),
-                            .mean_distortion = 1.0f / static_cast<float>(i + 1),
-                            .max_distortion = 1});
-    }
-    return log;
-}
-
-void tell(const WorkerMessage& message) {
-    std::fputs(encode_worker_message(message).c_str(), stdout);
-    std::fflush(stdout);
-}
-
-/// Waits for a file that another process makes.
-void wait_for(const fs::path& file) {
-    while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-}
-
-/// The stand-in for a worker: the log's frames one by one, noting in DATA/stamps when each was durable.
-int run_worker(const Options& options) {
-    const SyntheticLog log = make_log(options);
-    const ModelPaths paths = model_paths(options.data, options.worker_model);
-    const FileHandle file = create_file(paths.live_log);
-    const auto publish = [&](std::size_t n_rows) {
-        replace_file(side_index_of(paths.live_log), encode_index(log_id, std::span(log.rows).first(n_rows)));
-    };
-    std::vector<std::int64_t> stamps;
-    if (options.catch_up_mb > 0) {
-        write_all(file, log.bytes);
-        publish(log.rows.size());
-        stamps.assign(log.rows.size(), 0);
-    }
-    std::ofstream(options.data / "ready").put('\n');
-    wait_for(options.data / "go");
-    std::uint64_t written = 0;
-    const auto begun = Clock::now();
-    for (std::size_t i = 0; options.catch_up_mb == 0 && i < log.rows.size(); ++i) {
-        std::this_thread::sleep_until(begun + std::chrono::milliseconds(1000) * i / options.frames_per_second);
-        write_all(file, std::span(log.bytes).subspan(written, log.frame_ends[i] - written));
-        sync_file(file);
-        written = log.frame_ends[i];
-        publish(i + 1);
-        stamps.push_back(Clock::now().time_since_epoch().count());
-        tell(JobProgress{.stage = "refine", .fraction = 0.5, .n_vertices = log.rows[i].n_vertices, .n_bytes = written});
-    }
-    replace_file(options.data / "stamps", std::as_bytes(std::span(stamps)));
-    if (options.n_stalled > 0) wait_for(options.data / "enough");
-    tell(JobDone{});
-    return 0;
-}
-
-/// A server in a process of its own.
-class ServerProcess {
-public:
-    explicit ServerProcess(const Options& options) {
-        int ends[2];
-        if (::pipe(ends) != 0) throw IoError("no pipe");
-        pid_ = ::fork();
-        if (pid_ == 0) {
-            ::close(ends[0]);
-            serve(options, ends[1]);
-        }
-        ::close(ends[1]);
-        FILE* url = ::fdopen(ends[0], "r");
-        char text[100] = "";
-        if (std::fscanf(url, "%99s", text) != 1) throw IoError("the server did not start");
-        std::fclose(url);
-        url_ = parse_url(text);
-    }
-    ~ServerProcess() {
-        ::kill(pid_, SIGKILL);
-        ::waitpid(pid_, nullptr, 0);
-    }
-    ServerProcess(const ServerProcess&) = delete;
-    ServerProcess& operator=(const ServerProcess&) = delete;
-
-    const Url& url() const { return url_; }
-    std::uint16_t port() const { return static_cast<std::uint16_t>(std::stoi(url_.port)); }
-    std::uint64_t resident_bytes() const {
-        std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm");
-        std::uint64_t total = 0, resident = 0;
-        statm >> total >> resident;
-        return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    }
-
-private:
-    [[noreturn]] static void serve(const Options& options, int url_pipe) {
-        try {
-            const std::string self = fs::read_symlink("/proc/self/exe");
-            const auto command = [&](const ModelRecord& model) -> std::vector<std::string> {
-                return {self,
-                        "--worker-model",
-                        model.id,
-                        "--data",
-                        options.data.string(),
-                        "--frame-bytes",
-                        std::to_string(options.frame_bytes),
-                        "--frames-per-second",
-                        std::to_string(options.frames_per_second),
-                        "--seconds",
-                        std::to_string(options.seconds),
-                        "--catch-up",
-                        std::to_string(options.catch_up_mb),
-                        "--stalled",
-                        std::to_string(options.n_stalled)};
-            };
-            Server server({.port = 0,
-                           .data = options.data,
-                           .token = {},
-                           .max_connections = 20'000,
-                           .worker_command = command,
-                           .log = [](const std::string& line) { std::fprintf(stderr, "server: %s\n", line.c_str()); }});
-            const std::string url = server.url() + "\n";
-            if (::write(url_pipe, url.data(), url.size()) < 0) std::_Exit(1);
-            ::close(url_pipe);
-            server.run({});
-        } catch (const std::exception& error) {
-            std::fprintf(stderr, "server: %s\n", error.what());
-        }
-        std::_Exit(1);
-    }
-
-    pid_t pid_ = -1;
-    Url url_;
-};
 
 std::string make_model(const Url& server, const fs::path& data) {
     const fs::path zip = data / "capture.zip";
@@ -280,13 +108,13 @@ Json judge(const LiveLoad& load, const SyntheticLog& log) {
 }
 
 /// Watches the queues until every stalled client was dropped.
-Json watch_stalled(const ServerProcess& server, const Options& options, LiveLoad& load) {
+Json watch_stalled(const ServerProcess& server, int n_stalled) {
     std::uint64_t longest = 0;
     double evicted = 0, seconds = 0;
     std::optional<Clock::time_point> full_at;
     const auto deadline = Clock::now() + std::chrono::seconds(90);
-    while (evicted < options.n_stalled && Clock::now() < deadline) {
-        load.read_to_end(std::chrono::milliseconds(200));
+    while (evicted < n_stalled && Clock::now() < deadline) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
         const std::uint64_t queue = longest_queue(server.port());
         // The last progress of a client that takes nothing was before its queue stopped to grow.
         if (queue > longest || !full_at) full_at = Clock::now();
@@ -306,7 +134,7 @@ std::string cpu_name() {
     return "unknown";
 }
 
-Json run(Options options) {
+Json run(FanOutOptions options) {
     rlimit files{};
     ::getrlimit(RLIMIT_NOFILE, &files);
     files.rlim_cur = files.rlim_max;
@@ -321,7 +149,7 @@ Json run(Options options) {
     {
         const ServerProcess server(options);
         const std::string model = make_model(server.url(), options.data);
-        wait_for(options.data / "ready");
+        wait_for_file(options.data / "ready");
         const std::uint64_t memory_before = server.resident_bytes();
         LiveLoad load({.port = server.port(),
                        .target = model + "/live",
@@ -345,7 +173,11 @@ Json run(Options options) {
         }
         std::ofstream(options.data / "go").put('\n');
         if (options.n_stalled > 0) {
-            result["stalled"] = watch_stalled(server, options, load);
+            // Beside the clients that read: what they wait is not to be the time that watching takes.
+            auto watched = std::async(std::launch::async, [&] { return watch_stalled(server, options.n_stalled); });
+            while (watched.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+                load.read_to_end(std::chrono::milliseconds(200));
+            result["stalled"] = watched.get();
             std::ofstream(options.data / "enough").put('\n');
         }
         result["ended_in_time"] = load.read_to_end(std::chrono::seconds(static_cast<int>(options.seconds) + 60));
@@ -372,7 +204,7 @@ Json run(Options options) {
 
 int main(int argc, char** argv) {
     CLI::App app("Sends one model's live log to many clients on this machine.", "fan_out");
-    Options options;
+    FanOutOptions options;
     app.add_option("--clients", options.n_clients, "live clients")->capture_default_str();
     app.add_option("--stalled", options.n_stalled, "of them that take nothing")->capture_default_str();
     app.add_option("--frame-bytes", options.frame_bytes, "of each frame")->capture_default_str();
@@ -382,11 +214,12 @@ int main(int argc, char** argv) {
     app.add_option("--idle", options.idle_seconds, "seconds in which nothing happens");
     app.add_option("--worker-model", options.worker_model)->group("");
     app.add_option("--data", options.data)->group("");
+    app.add_option("--parent", options.parent)->group("");
     // A worker's standard output is the server's.
     for (int i = 1; i < argc; ++i)
         if (std::string(argv[i]) == "--worker-model") {
             CLI11_PARSE(app, argc, argv);
-            return run_worker(options);
+            return run_synthetic_worker(options);
         }
     return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -5,8 +5,9 @@ usage: tests/fuzz/long_run.py [--build build-fuzz] [--part proto] [--hours 2] [-
 
 Build the targets first, as tests/run.sh does (build-fuzz). Hours are of processor time, of all targets of the part together: a
 machine that is busy with other things takes longer, and finds no less. Whichever target has had least runs next, on a copy of
-its corpus that grows in the work folder; a run that goes on with an older work folder starts from what that one found. The
-first finding ends everything (exit code 1): its input is named, and joins tests/fuzz/PART/corpus with the fix.
+its corpus that grows in the work folder. A run that was stopped goes on where it was if it is given the same work folder: the
+inputs that it had kept, and the time and executions that its targets had had. The first finding ends everything (exit code 1):
+its input is named, and joins tests/fuzz/PART/corpus with the fix.
 """
 import argparse
 import concurrent.futures
@@ -28,15 +29,22 @@ LIMITS = ["-timeout=1200", "-rss_limit_mb=1024", "-malloc_limit_mb=128"]
 
 
 class Target:
-    """A target's program, its growing corpus, and what it has done so far."""
+    """A target's program, its growing corpus, and what it has done so far, in earlier runs on the same work folder too."""
 
     def __init__(self, program, inputs, work):
         self.name, self.program = program.name, program
         self.corpus, self.found = work / program.name / "corpus", work / program.name / "found"
         self.found.mkdir(parents=True, exist_ok=True)
         shutil.copytree(inputs, self.corpus, dirs_exist_ok=True)
-        self.cpu_seconds, self.executions, self.covered, self.features, self.slices = 0.0, 0, 0, 0, 0
+        self.history = work / program.name / "done.json"
+        self.done = {"cpu_seconds": 0.0, "executions": 0, "covered_edges": 0, "features": 0}
+        if self.history.exists():
+            self.done.update(json.loads(self.history.read_text()))
         self.is_running, self.trouble = False, None
+
+    @property
+    def cpu_seconds(self):
+        return self.done["cpu_seconds"]
 
     def run(self, seconds):
         """One slice; the processor time is the process's own."""
@@ -48,20 +56,21 @@ class Target:
             process.returncode = os.waitstatus_to_exitcode(status)
             log.seek(0)
             said = log.read()
-        self.cpu_seconds += usage.ru_utime + usage.ru_stime
-        self.slices += 1
         executed = re.findall(r"stat::number_of_executed_units:\s*(\d+)", said)
-        self.executions += int(executed[-1]) if executed else 0
         progress = re.findall(r"cov: (\d+) ft: (\d+)", said)
+        self.done["cpu_seconds"] += usage.ru_utime + usage.ru_stime
+        self.done["executions"] += int(executed[-1]) if executed else 0
         if progress:
-            self.covered, self.features = (max(a, int(b)) for a, b in zip((self.covered, self.features), progress[-1]))
+            for what, reached in zip(("covered_edges", "features"), progress[-1]):
+                self.done[what] = max(self.done[what], int(reached))
+        self.history.write_text(json.dumps(self.done))
         if process.returncode != 0:
             inputs = sorted(map(str, self.found.iterdir()))
             self.trouble = {"exit": process.returncode, "inputs": inputs, "said": said[-4000:]}
 
     def report(self):
-        told = {"cpu_seconds": round(self.cpu_seconds, 1), "executions": self.executions, "covered_edges": self.covered}
-        told.update(features=self.features, corpus_inputs=sum(1 for _ in self.corpus.iterdir()), finding=self.trouble)
+        told = dict(self.done, cpu_seconds=round(self.cpu_seconds, 1))
+        told.update(corpus_inputs=sum(1 for _ in self.corpus.iterdir()), finding=self.trouble)
         return told
 
 
@@ -118,7 +127,7 @@ def main():
     def report():
         told = {"work": str(work), "wall_seconds": round(time.monotonic() - began, 1)}
         told["cpu_seconds"] = round(sum(target.cpu_seconds for target in targets), 1)
-        told["executions"] = sum(target.executions for target in targets)
+        told["executions"] = sum(target.done["executions"] for target in targets)
         told["targets"] = {target.name: target.report() for target in targets}
         return json.dumps(told, indent=2)
 

@@ -260,6 +260,9 @@ class Verify(unittest.TestCase):
             done = anyrate(*command, scratch() / "missing.arl")
             self.assertEqual(done.returncode, 3)
             self.assertIn("missing.arl", done.stderr)
+            self.assertIn("no file", anyrate(*command, scratch()).stderr)
+            self.assertIn("expected the magic bytes", anyrate(*command, "-", stdin=b"nothing").stderr)
+            self.assertIn("expected 96 bytes, got 0", anyrate(*command, "-", stdin=b"").stderr)
         self.assertFalse((scratch() / "never.ply").exists())
 
 

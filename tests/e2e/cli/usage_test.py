@@ -34,7 +34,10 @@ class Usage(unittest.TestCase):
     def test_a_budget_of_zero(self):
         for option in ("--vertices", "--bytes"):
             self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", option, 0)
-        self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", "--distortion", -1)
+        for number in (-1, "nan", "inf"):
+            self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", "--distortion", number)
+        told = anyrate("decode", "model.arl", "-o", "mesh.ply", "--vertices", 0)
+        self.assertIn("--vertices: expected a number above 0, got 0", told.stdout + told.stderr)
 
     def test_an_unknown_method(self):
         self.assert_wrong("reconstruct", "capture", "-o", "model.arl", "--method", "magic")

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "proto/bytes.h"
+#include "proto/colour_state.h"
 #include "proto/crc32c.h"
 #include "proto/log_reader.h"
 #include "proto/log_writer.h"
@@ -42,7 +43,7 @@ void make_checksums_right(std::vector<std::byte>& log) {
 }
 
 struct Outcome {
-    std::optional<std::uint32_t> state_hash;  ///< at the end of the input, or where it was refused
+    std::optional<std::uint32_t> state_hash, colour_hash;  ///< at the end of the input, or where it was refused
     bool refused = false;
     friend bool operator==(const Outcome&, const Outcome&) = default;
 };
@@ -59,6 +60,7 @@ Outcome decoded(std::span<const std::byte> log, std::size_t piece) {
         outcome.refused = true;
     }
     if (decoder.state()) outcome.state_hash = decoder.state()->state_hash();
+    if (decoder.colours()) outcome.colour_hash = decoder.colours()->hash();
     return outcome;
 }
 

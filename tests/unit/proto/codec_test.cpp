@@ -143,6 +143,31 @@ TEST_CASE("Draco payload: another version of the bitstream, whose counts stand e
     }
 }
 
+TEST_CASE("Colour packet: attributes in groups of their own are refused") {
+    const std::vector<ColourResidual> residuals = {{1, -2, 3}, {0, 4, 0}};
+    const std::vector<std::byte> packet = encode_colour(residuals);
+    // Behind 15 bytes: number of groups; the group's number of attributes; 5 bytes of each; the kind of each; values.
+    std::vector<std::byte> grouped(packet.begin(), packet.begin() + 15);
+    grouped.push_back(std::byte{2});
+    for (const std::ptrdiff_t attribute : {0, 1}) {
+        grouped.push_back(std::byte{1});
+        grouped.insert(grouped.end(), packet.begin() + 17 + 5 * attribute, packet.begin() + 22 + 5 * attribute);
+        grouped.push_back(packet[static_cast<std::size_t>(27 + attribute)]);
+    }
+    grouped.insert(grouped.end(), packet.begin() + 29, packet.end());
+    CHECK(decode_colour(packet, 2) == residuals);
+    CHECK_THROWS_WITH_AS(decode_colour(grouped, 2), "Draco payload: expected one group of attributes", DecodeError);
+}
+
+TEST_CASE("Base: a payload that announces attributes beside the position is refused") {
+    const BaseMesh octahedron = samples::octahedron(samples::unit_grid(10));
+    std::vector<std::byte> payload = encode_draco_mesh(octahedron);
+    CHECK(payload[14] == std::byte{0});  // behind the two counts of a byte each
+    payload[14] = std::byte{1};
+    CHECK_THROWS_WITH_AS(decode_draco_mesh(payload, 6, 8), "Draco payload: expected no attribute beside the position",
+                         DecodeError);
+}
+
 TEST_CASE("Base: decoding gives the same surface, on the positions it was given") {
     const Grid grid = samples::unit_grid(12);
     const BaseMesh base = samples::icosphere(grid, 2);

@@ -70,11 +70,14 @@ TEST_CASE("Guessed surface: neither a silhouette nor a view shows the back of a 
         .colours = {}};
     const std::vector<DepthMap> maps(2, wall_at_zero(4));
     const std::vector<OrientedPoint> elsewhere = {point_at(-2)};
-    const auto guessed = guessed_points(walls, elsewhere, maps, {.reach = 0.1});
+    const std::vector<char> seen(6, 0), unseen(6, 1);
+    const auto guessed = guessed_points(walls, seen, {elsewhere, elsewhere}, maps, {.reach = 0.1});
     REQUIRE(guessed.size() == 3);
     for (const OrientedPoint& point : guessed) CHECK(point.position.z() == 1);
     const std::vector<OrientedPoint> silhouette = {{Vec3(0, 0.05, 1), towards_camera, 1.0}};
-    CHECK(guessed_points(walls, silhouette, maps, {.reach = 0.2}).empty());
+    CHECK(guessed_points(walls, seen, {silhouette, elsewhere}, maps, {.reach = 0.2}).empty());
+    CHECK(guessed_points(walls, unseen, {silhouette, silhouette}, maps, {.reach = 0.2}).empty());
+    CHECK(guessed_points(walls, unseen, {silhouette, elsewhere}, maps, {.reach = 0.2}).size() == 3);
 }
 
 TEST_CASE("Guessed surface: vertices near a guessed point that face the same way are flagged") {

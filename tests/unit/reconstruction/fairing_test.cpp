@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/reconstruction/surface_view.h"
 #include "core/simulation/parametric_meshes.h"
 
 using namespace anyrate;
@@ -58,4 +59,29 @@ TEST_CASE("Fairing: moving and turning the surface moves and turns the result") 
     fair(mesh, cap, 1e-3);
     fair(moved, cap, 1e-3);
     for (std::size_t v = 0; v < cap.size(); ++v) CHECK((moved.vertices[v] - turned(mesh.vertices[v])).norm() < 1e-9);
+}
+
+TEST_CASE("Fairing: a part that is stretched over a flat rim is flat, and the rest stays") {
+    const Mesh before = icosphere(4);
+    Mesh mesh = before;
+    const std::vector<char> cap = cap_of(mesh, 0.6);
+    const OneRings rings(mesh);
+    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v)  // what carries the cap is moved into a plane
+        for (const std::int32_t w : rings.neighbours(v))
+            if (cap[static_cast<std::size_t>(v)] == 0 && cap[static_cast<std::size_t>(w)] != 0)
+                mesh.vertices[static_cast<std::size_t>(v)].x() = 0.6;
+    const Mesh rimmed = mesh;
+    stretch(mesh, cap);
+    for (std::size_t v = 0; v < cap.size(); ++v) {
+        if (cap[v] != 0)
+            CHECK(mesh.vertices[v].x() == doctest::Approx(0.6).epsilon(1e-4));
+        else
+            CHECK(mesh.vertices[v] == rimmed.vertices[v]);
+    }
+}
+
+TEST_CASE("Fairing: stretched without a rim, a surface still has a place") {
+    Mesh mesh = icosphere(2);
+    stretch(mesh, std::vector<char>(mesh.vertices.size(), 1));
+    for (const Vec3& v : mesh.vertices) CHECK(v.norm() <= 1 + 1e-9);
 }

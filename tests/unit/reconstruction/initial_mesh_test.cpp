@@ -68,3 +68,15 @@ TEST_CASE("Initial surface: the demo's vessel keeps its two handles, and its ste
     CHECK(topology.n_components == 1);
     CHECK(topology.n_components - topology.euler / 2 == 2);
 }
+
+TEST_CASE("Initial surface: no cone below what stands on a table") {
+    // Views from 20 degrees above see nothing of the underside: their silhouettes' hull goes on below it.
+    const Mesh column = turned({{0, 0}, {0.8, 0}, {0.8, 1.2}, {0, 1.2}}, 64);
+    const Simulation scene = simulate_mesh(column, {.width = 320, .height = 240});
+    const VisualHull hull = visual_hull(scene.capture);
+    const InitialSurface initial = initial_surface(hull, make_photo_images(scene.capture), {});
+    double lowest = 0;
+    for (const Vec3& v : initial.mesh.vertices) lowest = std::min(lowest, v.z());
+    REQUIRE(hull.lower.z() < -0.15);
+    CHECK(lowest > 0.25 * hull.lower.z());
+}

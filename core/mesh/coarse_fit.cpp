@@ -1,14 +1,14 @@
-#include "core/encoding/base_fit.h"
+#include "core/mesh/coarse_fit.h"
 
 #include <numeric>
 
-#include "core/encoding/normal_fit.h"
 #include "core/mesh/decimate.h"
+#include "core/mesh/normal_fit.h"
 #include "core/mesh/remesh.h"
 
 namespace anyrate {
 
-Mesh fit_base(const Mesh& mesh, int n_vertices, SurfaceMeter& meter) {
+Mesh fit_coarse_mesh(const Mesh& mesh, int n_vertices, SurfaceMeter& meter) {
     // Simplified, not remeshed to equal edges: a bust of 35,002 vertices at 2,500 is 0.018 % of its diagonal off then,
     // 0.036 % otherwise.
     Mesh base = decimate(mesh, n_vertices);

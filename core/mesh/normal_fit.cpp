@@ -1,4 +1,4 @@
-#include "core/encoding/normal_fit.h"
+#include "core/mesh/normal_fit.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "core/encoding/surface_meter.h"
+#include "core/mesh/surface_meter.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

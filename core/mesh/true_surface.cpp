@@ -1,4 +1,4 @@
-#include "core/encoding/true_surface.h"
+#include "core/mesh/true_surface.h"
 
 #include <Eigen/Geometry>
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/encoding/true_surface.h"
 #include "core/mesh/mesh.h"
+#include "core/mesh/true_surface.h"
 
 namespace anyrate {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/encoding/surface_meter.h"
+#include "core/mesh/surface_meter.h"
 
 namespace anyrate {
 

@@ -1,0 +1,14 @@
+#pragma once
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface_meter.h"
+
+namespace anyrate {
+
+/// A coarse mesh such as a log starts from: a surface simplified by quadrics, moved to where its squared distance to
+/// the surface is least.
+/// @param mesh   closed and manifold
+/// @param meter  of the same surface
+/// @throws InputError if so few vertices cannot carry the surface
+Mesh fit_coarse_mesh(const Mesh& mesh, int n_vertices, SurfaceMeter& meter);
+
+}  // namespace anyrate
