@@ -57,7 +57,7 @@ TECHNIQUES = [
         "guesses",
         "what no image shows is bent and put on trial",
         CORE + "reconstruct.cpp",
-        "        guessed = confirm_guesses(*sampler, silhouettes, guessed, mesh, {}, stop);\n",
+        "        guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);\n",
         "",
     ),
     Technique(
@@ -77,9 +77,23 @@ TECHNIQUES = [
     Technique(
         "quadric_base",
         "the base's vertices stand where the surface bends",
+        "core/mesh/coarse_fit.cpp",
+        "Mesh base = decimate(mesh, n_vertices);",
+        "Mesh base = remesh_isotropic(mesh, {.n_vertices = n_vertices});",
+    ),
+    Technique(
+        "adapted_surface",
+        "base and splits are fitted to a surface whose vertices stand where it bends",
         CORE + "reconstruct.cpp",
-        "Mesh base = decimate(start.mesh, n_vertices);",
-        "Mesh base = remesh_isotropic(start.mesh, {.n_vertices = n_vertices});",
+        "Mesh fitted_mesh = fixed_rate ? mesh : adapt_to_relief(sampler, start, stop);",
+        "Mesh fitted_mesh = mesh;",
+    ),
+    Technique(
+        "unseen_surface",
+        "what faces away from all views is flat and a guess",
+        CORE + "initial_mesh.cpp",
+        "unseen_vertices(initial.mesh, images);",
+        "std::vector<char>(initial.mesh.vertices.size());",
     ),
     Technique(
         "roll_back",
