@@ -8,7 +8,6 @@ namespace anyrate {
 std::optional<std::string> relative_name(std::string_view name) {
     const auto is_forbidden = [](char c) { return c == '\\' || static_cast<unsigned char>(c) < 0x20; };
     if (name.starts_with('/') || std::any_of(name.begin(), name.end(), is_forbidden)) return std::nullopt;
-    if (name.size() >= 2 && name[1] == ':') return std::nullopt;
 
     std::string clean;
     for (std::size_t begin = 0; begin <= name.size();) {
@@ -20,7 +19,8 @@ std::optional<std::string> relative_name(std::string_view name) {
         if (!clean.empty()) clean += '/';
         clean += part;
     }
-    if (clean.empty()) return std::nullopt;
+    const bool has_drive = clean.size() >= 2 && clean[1] == ':';  // also where it stood behind a "./"
+    if (clean.empty() || has_drive) return std::nullopt;
     return clean;
 }
 

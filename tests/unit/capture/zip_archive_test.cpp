@@ -127,6 +127,7 @@ TEST_CASE("Zip: a capture that is not there, or there twice, is told") {
 TEST_CASE("Relative name: one spelling for each file, none for what leads out") {
     CHECK(relative_name("./a//b/./c.png") == "a/b/c.png");
     CHECK(relative_name("..a/b..") == "..a/b..");
+    CHECK(relative_name("./c:a") == std::nullopt);
     for (const char* bad : {"", ".", "/", "/a", "..", "a/..", "a/../b", "a\\b", "C:\\x", "a\nb"})
         CHECK(!relative_name(bad));
 }
