@@ -17,6 +17,16 @@ std::vector<TriangleQuery> whole_surface(const SurfaceView& surface) {
     return batch;
 }
 
+std::vector<std::array<Vec3, 3>> corner_normals(const SurfaceView& surface) {
+    const std::vector<Vec3> normals = vertex_normals(surface, OneRings(surface));
+    std::vector<std::array<Vec3, 3>> directions;
+    directions.reserve(surface.triangles.size());
+    for (const auto& [a, b, c] : surface.triangles)
+        directions.push_back({normals[static_cast<std::size_t>(a)], normals[static_cast<std::size_t>(b)],
+                              normals[static_cast<std::size_t>(c)]});
+    return directions;
+}
+
 double measure_surface(PhotoBackend& backend, const SurfaceView& surface, double samples_per_px) {
     backend.set_surface(surface, 0, samples_per_px);
     return surface_distortion(backend.distortions(whole_surface(surface)));

@@ -69,6 +69,9 @@ TriangleQuery query_of(const SurfaceView& surface, std::int32_t face);
 /// Every face of the surface where it stands, in order.
 std::vector<TriangleQuery> whole_surface(const SurfaceView& surface);
 
+/// For each face its vertices' unit normals: the directions that terms() of the whole surface is mostly asked along.
+std::vector<std::array<Vec3, 3>> corner_normals(const SurfaceView& surface);
+
 /// Psi (Nghiem et al., Eq. 10) of a surface at the photographs' own resolution. It becomes the backend's current one.
 double measure_surface(PhotoBackend& backend, const SurfaceView& surface, double samples_per_px = 1.0);
 

@@ -286,15 +286,10 @@ std::vector<std::int32_t> all_but(int n, std::span<const std::int32_t> batch, co
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px) {
     const Mesh mesh = state.to_mesh();
     const SurfaceView surface(mesh);
-    const OneRings rings(surface);
-    const std::vector<Vec3> normals = vertex_normals(surface, rings);
     backend.set_surface(surface, 0, samples_per_px);
     const std::vector<TriangleQuery> queries = whole_surface(surface);
-    std::vector<std::array<Vec3, 3>> directions(queries.size());
-    for (std::size_t f = 0; f < queries.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[at(mesh.triangles[f][k])];
     StateDistortion result;
-    result.terms = backend.terms(queries, directions);
+    result.terms = backend.terms(queries, corner_normals(surface));
     result.pixel_sizes.reserve(queries.size());
     for (const TriangleQuery& query : queries) result.pixel_sizes.push_back(backend.pixel_size(query.face));
     std::vector<TriangleDistortion> distortions;

@@ -73,11 +73,7 @@ Subject make_subject(const Simulation& simulation, const PhotoImages& images, in
     Subject subject;
     subject.mesh = remesh_isotropic(simulation.ground_truth, {.n_vertices = n_vertices});
     subject.batch = whole_surface(subject.mesh);
-    const OneRings rings(subject.mesh);
-    const std::vector<Vec3> normals = vertex_normals(subject.mesh, rings);
-    for (const Triangle& t : subject.mesh.triangles)
-        subject.directions.push_back({normals[static_cast<std::size_t>(t[0])], normals[static_cast<std::size_t>(t[1])],
-                                      normals[static_cast<std::size_t>(t[2])]});
+    subject.directions = corner_normals(subject.mesh);
     const Visibility visibility(images, subject.mesh);
     for (std::int32_t f = 0; f < subject.mesh.n_faces(); ++f) {
         const auto n_points = static_cast<double>(lattice(lattice_steps(visibility.mean_area_px(f), 1.0)).size());

@@ -13,32 +13,13 @@
 
 namespace anyrate {
 
-inline std::vector<TriangleQuery> queries_of(const Mesh& mesh) {
-    std::vector<TriangleQuery> batch(mesh.triangles.size());
-    for (std::size_t f = 0; f < batch.size(); ++f) {
-        batch[f].face = static_cast<std::int32_t>(f);
-        for (std::size_t k = 0; k < 3; ++k)
-            batch[f].corners[k] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[f][k])];
-    }
-    return batch;
-}
-
-inline std::vector<std::array<Vec3, 3>> directions_of(const Mesh& mesh) {
-    const OneRings rings(mesh);
-    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
-    std::vector<std::array<Vec3, 3>> directions(mesh.triangles.size());
-    for (std::size_t f = 0; f < directions.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[static_cast<std::size_t>(mesh.triangles[f][k])];
-    return directions;
-}
-
 /// @param tolerance relative, of sums that may be taken in another order
 inline void check_photo_backend(const BackendFactory& make, double tolerance) {
     const Capture capture = sphere_capture(8, 128);
     const PhotoImages images = make_photo_images(capture, 3);
     const Mesh mesh = icosphere(3, 0.99);
-    const auto batch = queries_of(mesh);
-    const auto directions = directions_of(mesh);
+    const auto batch = whole_surface(mesh);
+    const auto directions = corner_normals(mesh);
     const auto backend = make(images, Sampling::adaptive);
     REQUIRE(backend->n_levels() == images.n_levels());
 

@@ -15,15 +15,6 @@ namespace {
 
 constexpr double tolerance = 1e-4;
 
-std::vector<std::array<Vec3, 3>> directions_on(const Mesh& mesh) {
-    const OneRings rings(mesh);
-    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
-    std::vector<std::array<Vec3, 3>> directions(mesh.triangles.size());
-    for (std::size_t f = 0; f < directions.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[static_cast<std::size_t>(mesh.triangles[f][k])];
-    return directions;
-}
-
 /// By Cauchy and Schwarz a derivative of phi is at most sqrt(2 phi h), h the Gauss-Newton part of the second one: what
 /// its error is relative to, since its own terms cancel.
 double largest_gradient(double phi, double hessian) { return std::sqrt(2 * phi * hessian); }
@@ -57,7 +48,7 @@ TEST_CASE("GpuBackend: phi, samples and derivatives are the CPU's to a relative 
     for (const RandomSurface& random : random_surfaces()) {
         CAPTURE(random.name);
         const auto batch = whole_surface(random.mesh);
-        const auto directions = directions_on(random.mesh);
+        const auto directions = corner_normals(random.mesh);
         for (int level = 0; level < images.n_levels(); ++level) {
             CAPTURE(level);
             cpu->set_surface(random.mesh, level, 1.5);
@@ -82,7 +73,7 @@ TEST_CASE("GpuBackend: triangles that have moved since the surface was set are t
     const auto cpu = make_cpu_backend(images);
     const auto gpu = make_gpu_backend(std::make_shared<EglContext>(DeviceChoice::any), images);
     auto batch = whole_surface(mesh);
-    const auto directions = directions_on(mesh);
+    const auto directions = corner_normals(mesh);
     for (std::size_t f = 0; f < batch.size(); ++f)
         for (std::size_t k = 0; k < 3; ++k) batch[f].corners[k] += 0.01 * directions[f][k];
     cpu->set_surface(mesh, 0, 1.0);
@@ -142,7 +133,7 @@ TEST_CASE("GpuBackend: the same question gets the same bytes") {
     const auto ask = [&] {
         gpu->set_surface(mesh, 1, 1.0);
         std::vector<double> numbers;
-        for (const TriangleTerms& t : gpu->terms(whole_surface(mesh), directions_on(mesh))) {
+        for (const TriangleTerms& t : gpu->terms(whole_surface(mesh), corner_normals(mesh))) {
             numbers.push_back(t.distortion.phi);
             numbers.insert(numbers.end(), t.gradient.begin(), t.gradient.end());
             numbers.insert(numbers.end(), t.middle_hessian.begin(), t.middle_hessian.end());

@@ -104,13 +104,9 @@ TEST_CASE("Eq. 11: the central difference of G converges with the square of its 
 TEST_CASE("Eq. 11: the analytic derivative of phi agrees with the central difference") {
     Sphere sphere;
     const Mesh mesh = icosphere(3, 0.985);
-    const OneRings rings(mesh);
-    const auto normals = vertex_normals(mesh, rings);
     sphere.backend->set_surface(mesh, 0, 2.0);
     std::vector<TriangleQuery> batch = whole(mesh);
-    std::vector<std::array<Vec3, 3>> directions(batch.size());
-    for (std::size_t f = 0; f < batch.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) directions[f][k] = normals[static_cast<std::size_t>(mesh.triangles[f][k])];
+    const auto directions = corner_normals(mesh);
     const auto terms = sphere.backend->terms(batch, directions);
 
     constexpr double h = 2e-4;
