@@ -14,7 +14,7 @@ import type { Packet, Waiting } from "./packet.js";
 import { RefinableMesh } from "./refinable-mesh.js";
 import type { RefinableMeshState, SplitRecords } from "./refinable-mesh.js";
 import { decodeRefine, noPreviousFace } from "./refine-codec.js";
-import { sumRingNormal } from "./ring-normal.js";
+import { sumRing } from "./ring-sums.js";
 
 /** What changed in a mesh, for whoever keeps a copy of it on a graphics card. A few unchanged elements are among it. */
 export interface MeshChanges {
@@ -62,6 +62,7 @@ export class ProgressiveMesh {
     /** By their sizes, ascending; none without a history. */
     private readonly snapshots: Snapshot[] = [];
     private readonly keepsHistory: boolean;
+    private readonly ringOffset = new Float64Array(3);
     private previousFace = noPreviousFace;
     private changedColoursFrom = 0;
 
@@ -133,7 +134,7 @@ export class ProgressiveMesh {
 
     /** Puts the sum of the normals of a vertex's faces, each as long as twice its area in grid units, into `sum`. */
     ringNormal(vertex: number, sum: Float64Array): void {
-        sumRingNormal(this.mesh.positions, this.mesh.connectivity, vertex, sum);
+        sumRing(this.mesh.positions, this.mesh.connectivity, vertex, sum, this.ringOffset);
     }
 
     /**

@@ -8,6 +8,7 @@ import { HalfedgeConnectivity } from "./halfedge-connectivity.js";
 import type { ConnectivityState } from "./halfedge-connectivity.js";
 import { next, prev } from "./halfedge.js";
 import type { IntegerMesh } from "./integer-mesh.js";
+import { sumRing } from "./ring-sums.js";
 import { RollingHash } from "./rolling-hash.js";
 import { UndoJournal } from "./undo-journal.js";
 import { wantsFlip } from "./wants-flip.js";
@@ -214,47 +215,21 @@ export class RefinableMesh {
         } while (spoke !== first);
     }
 
-    /** Fills centroidOffset and normal. Sums of integers below 2^53 are exact, so the ring's order does not matter. */
+    /** Fills centroidOffset and normal. */
     private measureRing(vertex: number): void {
-        const { positions, centroidOffset, normal } = this;
-        const { corners, twins, outgoing, valences } = this.connectivity;
-        const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
-        const first = outgoing[vertex];
-        const start = 3 * corners[next(first)];
-        let ax = positions[start] - x, ay = positions[start + 1] - y, az = positions[start + 2] - z;
-        let nx = 0, ny = 0, nz = 0;
-        let sumX = 0, sumY = 0, sumZ = 0;
-        let spoke = first;
-        do {
-            const back = prev(spoke);
-            const r = 3 * corners[back];
-            const bx = positions[r] - x, by = positions[r + 1] - y, bz = positions[r + 2] - z;
-            nx += ay * bz - az * by;
-            ny += az * bx - ax * bz;
-            nz += ax * by - ay * bx;
-            sumX += bx;
-            sumY += by;
-            sumZ += bz;
-            ax = bx;
-            ay = by;
-            az = bz;
-            spoke = twins[back];
-        } while (spoke !== first);
-
-        const k = valences[vertex];
-        centroidOffset[0] = (sumX + k * x) / k - x;
-        centroidOffset[1] = (sumY + k * y) / k - y;
-        centroidOffset[2] = (sumZ + k * z) / k - z;
-        if (nx === 0 && ny === 0 && nz === 0) {
-            normal[0] = 0;
-            normal[1] = 0;
-            normal[2] = 1;
-        } else {
-            const length = Math.sqrt(nx * nx + ny * ny + nz * nz);
-            normal[0] = nx / length;
-            normal[1] = ny / length;
-            normal[2] = nz / length;
+        const { positions, centroidOffset: d, normal: n } = this;
+        sumRing(positions, this.connectivity, vertex, n, d);
+        const k = this.connectivity.valences[vertex];
+        for (let axis = 0; axis < 3; ++axis) {
+            const at = positions[3 * vertex + axis];
+            d[axis] = (d[axis] + k * at) / k - at;
         }
+        if (n[0] === 0 && n[1] === 0 && n[2] === 0) {
+            n[2] = 1;
+            return;
+        }
+        const length = Math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (let axis = 0; axis < 3; ++axis) n[axis] /= length;
     }
 
     /** Puts the unit normal of a vertex into slot 0, 1 or 2 of `normals`. */

@@ -1,18 +1,24 @@
 import type { HalfedgeConnectivity } from "./halfedge-connectivity.js";
 import { next, prev } from "./halfedge.js";
 
-/** Puts the sum of the cross products of a vertex's ring into `sum`, for whoever draws the mesh. */
-export function sumRingNormal(
+/**
+ * Walks the ring of a vertex. All sums are of integers below 2^53: exact, so the ring's order does not matter.
+ * @param normal gets the sum of the ring's cross products, twice the area-weighted sum of its face normals
+ * @param offset gets the sum of the neighbours less the vertex
+ */
+export function sumRing(
     positions: Int32Array,
     { corners, twins, outgoing }: HalfedgeConnectivity,
     vertex: number,
-    sum: Float64Array,
+    normal: Float64Array,
+    offset: Float64Array,
 ): void {
     const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
     const first = outgoing[vertex];
     const start = 3 * corners[next(first)];
     let ax = positions[start] - x, ay = positions[start + 1] - y, az = positions[start + 2] - z;
     let nx = 0, ny = 0, nz = 0;
+    let sumX = 0, sumY = 0, sumZ = 0;
     let spoke = first;
     do {
         const back = prev(spoke);
@@ -21,12 +27,18 @@ export function sumRingNormal(
         nx += ay * bz - az * by;
         ny += az * bx - ax * bz;
         nz += ax * by - ay * bx;
+        sumX += bx;
+        sumY += by;
+        sumZ += bz;
         ax = bx;
         ay = by;
         az = bz;
         spoke = twins[back];
     } while (spoke !== first);
-    sum[0] = nx;
-    sum[1] = ny;
-    sum[2] = nz;
+    normal[0] = nx;
+    normal[1] = ny;
+    normal[2] = nz;
+    offset[0] = sumX;
+    offset[1] = sumY;
+    offset[2] = sumZ;
 }
