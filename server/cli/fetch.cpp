@@ -14,6 +14,7 @@
 #include "server/cli/access_options.h"
 #include "server/cli/budget_options.h"
 #include "server/cli/commands.h"
+#include "server/cli/number_check.h"
 #include "server/cli/output_name.h"
 #include "server/client/fetch_log.h"
 #include "server/client/live_client.h"
@@ -107,7 +108,7 @@ void add_fetch(CLI::App& app, Command& command) {
     sub->add_flag("--live", request->live, "follow a model while it is made (WebSocket)");
     sub->add_option("--trace", request->trace, "write when each frame arrived as JSON");
     sub->add_option("--throttle", request->bytes_per_second, "read as if over a line of so many bytes a second")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     sub->add_option("--latency", request->latency_ms, "and with so many milliseconds one way")
         ->check(CLI::Range(0, 60'000));
     request->access.add_to(*sub);

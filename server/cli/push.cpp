@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "server/cli/access_options.h"
 #include "server/cli/commands.h"
+#include "server/cli/number_check.h"
 
 namespace anyrate {
 namespace {
@@ -73,7 +74,7 @@ void add_push(CLI::App& app, Command& command) {
     sub->add_option("--server", request->server,
                     "address of the server, as in http://127.0.0.1:8080 or https://example.org")
         ->required();
-    sub->add_option("--vertices", request->options.n_vertices, "of the finest mesh")->check(CLI::PositiveNumber);
+    sub->add_option("--vertices", request->options.n_vertices, "of the finest mesh")->check(above_zero());
     request->access.add_to(*sub);
     sub->add_flag("--wait", request->wait, "wait for the end of the reconstruction; exit code 1 if it failed");
     sub->callback([request, &command] { command = [request] { return push(*request); }; });

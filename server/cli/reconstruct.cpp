@@ -15,6 +15,8 @@
 #include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/log_id.h"
+#include "server/cli/number_check.h"
+#include "server/cli/one_of.h"
 #include "server/cli/progress_bar.h"
 #include "server/cli/read_log.h"
 #include "server/cli/report.h"
@@ -127,27 +129,27 @@ void add_options(CLI::App& sub, ReconstructCommand& request) {
     sub.add_option("CAPTURE", request.capture, "folder or zip of images, masks and cameras")->required();
     sub.add_option("-o,--output", request.model, "the model to write (.arl)")->required();
     sub.add_option("--vertices", request.reconstruct.n_vertices, "of the finest mesh")
-        ->check(CLI::PositiveNumber)
+        ->check(above_zero())
         ->capture_default_str();
     sub.add_option("--coarse", request.n_coarse, "vertices of the coarse mesh (2500, or --vertices if that is less)")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     sub.add_option("--cameras", request.load.cameras_file, "name of the camera file inside the capture")
         ->capture_default_str();
     sub.add_option("--backend", request.backend, "who computes photo-consistency: auto, cpu or gpu")
-        ->transform(CLI::CheckedTransformer(backend_kinds()));
+        ->transform(one_of(backend_kinds()));
     sub.add_option("--method", request.reconstruct.method,
                    "refine: the method; flow: surface flow alone; uniform: split the largest faces")
-        ->transform(CLI::CheckedTransformer(methods));
+        ->transform(one_of(methods));
     sub.add_option(
            "--sampling", request.reconstruct.sampling,
            "of the coarse mesh's optimisation: adaptive, samples by projected area; uniform: the same number in "
            "every triangle")
-        ->transform(CLI::CheckedTransformer(samplings));
+        ->transform(one_of(samplings));
     sub.add_option("--samples-per-px", request.reconstruct.samples_per_px, "of --method flow")
-        ->check(CLI::PositiveNumber)
+        ->check(above_zero())
         ->capture_default_str();
     sub.add_option("--threads", request.n_threads, "at most N threads; every processor by default")
-        ->check(CLI::PositiveNumber);
+        ->check(above_zero());
     sub.add_option("--seed", request.reconstruct.seed, "of the random choices")->capture_default_str();
     sub.add_option("--report", request.report, "write times, memory and the rate-distortion curve as JSON");
     sub.add_flag("--quiet", request.quiet, "say nothing but errors");

@@ -31,6 +31,12 @@ class Usage(unittest.TestCase):
     def test_compression_of_what_is_no_glb(self):
         self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", "--draco")
 
+    def test_a_name_that_is_none(self):
+        for name in ("foo", 1):
+            self.assert_wrong("reconstruct", "capture", "-o", "model.arl", "--method", name)
+        told = anyrate("reconstruct", "capture", "-o", "model.arl", "--backend", "tpu")
+        self.assertIn("--backend: expected auto|cpu|gpu, got tpu", told.stdout + told.stderr)
+
     def test_a_budget_of_zero(self):
         for option in ("--vertices", "--bytes"):
             self.assert_wrong("decode", "model.arl", "-o", "mesh.ply", option, 0)
