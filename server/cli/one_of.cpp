@@ -4,7 +4,7 @@
 
 namespace anyrate {
 
-CLI::Validator one_of_names(const std::map<std::string, std::string>& meanings) {
+CLI::Validator one_of(const std::map<std::string, std::string>& meanings) {
     std::string names;
     for (const auto& [name, meaning] : meanings) names += (names.empty() ? "" : "|") + name;
     const auto by_name = [meanings, names](std::string& text) -> std::string {

@@ -9,14 +9,14 @@ class Validator;
 namespace anyrate {
 
 /// Accepts one of some names, which then stands for what the option is set from; anything else is wrong usage.
-CLI::Validator one_of_names(const std::map<std::string, std::string>& meanings);
+CLI::Validator one_of(const std::map<std::string, std::string>& meanings);
 
-/// The names of an enumeration's values, and nothing else: its numbers are wrong usage.
+/// What an enumeration's names stand for: the library reads its values as numbers.
 template <class Enum>
-CLI::Validator one_of(const std::map<std::string, Enum>& values) {
-    std::map<std::string, std::string> meanings;  // the library reads enumerations as numbers
-    for (const auto& [name, value] : values) meanings[name] = std::to_string(static_cast<int>(value));
-    return one_of_names(meanings);
+std::map<std::string, std::string> numbers_of(const std::map<std::string, Enum>& values) {
+    std::map<std::string, std::string> numbers;
+    for (const auto& [name, value] : values) numbers[name] = std::to_string(static_cast<int>(value));
+    return numbers;
 }
 
 }  // namespace anyrate

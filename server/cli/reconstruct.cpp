@@ -136,15 +136,15 @@ void add_options(CLI::App& sub, ReconstructCommand& request) {
     sub.add_option("--cameras", request.load.cameras_file, "name of the camera file inside the capture")
         ->capture_default_str();
     sub.add_option("--backend", request.backend, "who computes photo-consistency: auto, cpu or gpu")
-        ->transform(one_of(backend_kinds()));
+        ->transform(one_of(numbers_of(backend_kinds())));
     sub.add_option("--method", request.reconstruct.method,
                    "refine: the method; flow: surface flow alone; uniform: split the largest faces")
-        ->transform(one_of(methods));
+        ->transform(one_of(numbers_of(methods)));
     sub.add_option(
            "--sampling", request.reconstruct.sampling,
            "of the coarse mesh's optimisation: adaptive, samples by projected area; uniform: the same number in "
            "every triangle")
-        ->transform(one_of(samplings));
+        ->transform(one_of(numbers_of(samplings)));
     sub.add_option("--samples-per-px", request.reconstruct.samples_per_px, "of --method flow")
         ->check(above_zero())
         ->capture_default_str();

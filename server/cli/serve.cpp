@@ -138,14 +138,14 @@ void add_operation_options(CLI::App& sub, ServeCommand& request) {
     const std::map<std::string, LogFormat> formats = {{"plain", LogFormat::plain}, {"json", LogFormat::json}};
     sub.add_option("--log-format", request.log_format, "of the lines on standard error: plain or json")
         ->envname("ANYRATE_LOG_FORMAT")
-        ->transform(one_of(formats))
+        ->transform(one_of(numbers_of(formats)))
         ->default_str("plain");
     const std::map<std::string, LogRequests> requests = {
         {"none", LogRequests::none}, {"errors", LogRequests::errors}, {"all", LogRequests::all}};
     sub.add_option("--log-requests", request.log_requests,
                    "which requests are logged: none, errors (from 400 on) or all")
         ->envname("ANYRATE_LOG_REQUESTS")
-        ->transform(one_of(requests))
+        ->transform(one_of(numbers_of(requests)))
         ->default_str("errors");
 }
 

@@ -53,7 +53,7 @@ void add_token(CLI::App& app, Command& command) {
         ->capture_default_str();
     const std::map<std::string, Scope> scopes = {{"read", Scope::read}, {"write", Scope::write}};
     sub->add_option("--scope", request->scope, "what it allows: read, or write (which includes reading)")
-        ->transform(one_of(scopes))
+        ->transform(one_of(numbers_of(scopes)))
         ->default_str("write");
     sub->add_flag("--revoke", request->revoke, "take the token of that name back");
     sub->footer("The token is printed once; the data directory holds only its SHA-256.");

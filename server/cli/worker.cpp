@@ -140,7 +140,7 @@ void add_worker(CLI::App& app, Command& command) {
     sub->add_option("--parent", arguments->parent, "process without which this one ends");
     sub->add_option("--backend", arguments->backend,
                     "who computes photo-consistency: cpu; gpu; auto, in a sandbox the CPU, else a GPU if there is one")
-        ->transform(one_of(backend_kinds()));
+        ->transform(one_of(numbers_of(backend_kinds())));
     sub->add_flag("--no-sandbox", arguments->no_sandbox, "run without seccomp and Landlock (to debug it)");
     sub->callback([arguments, &command] { command = [arguments] { return work(*arguments); }; });
 }
