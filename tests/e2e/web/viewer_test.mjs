@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { cpSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
-import test, { after, before } from "node:test";
+
+import { afterAll, beforeAll, test } from "vitest";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
@@ -19,7 +20,7 @@ let server, proxy, browser, draco;
 /** The model that the second test makes, its log, and the vertices it came to. */
 let id, log, most;
 
-before(async () => {
+beforeAll(async () => {
     run("simulate", "--scene", "vessel", "-o", capture, "--views", "10", "--width", "320", "--height", "240");
     server = await startServer(join(scratch.path, "data"));
     proxy = new Proxy(server.url);
@@ -28,7 +29,7 @@ before(async () => {
     draco = await loadDraco3d();
 });
 
-after(async () => {
+afterAll(async () => {
     await browser?.close();
     proxy?.stop();
     await server?.stop();
