@@ -1,4 +1,5 @@
-// Tests of the client (tests/*.test.ts) and of the viewer in a browser (../tests/e2e/web): `vitest run --project NAME`.
+// Tests of the client and of parts of the viewer (tests), and of the viewer in a browser (../tests/e2e/web):
+// vitest run --project unit|browser
 import { fileURLToPath } from "node:url";
 
 import { defineConfig } from "vitest/config";
@@ -22,6 +23,6 @@ export default defineConfig({
     test: {
         reporters: ["verbose"],
         cache: false,
-        projects: [project("client", "web/tests/*.test.ts"), project("viewer", "tests/e2e/web/*_test.mjs")],
+        projects: [project("unit", "web/tests/**/*.test.ts"), project("browser", "tests/e2e/web/*_test.mjs")],
     },
 });

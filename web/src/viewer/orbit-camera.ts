@@ -28,6 +28,7 @@ export class OrbitCamera {
     private firstEye: Vector3 | undefined;
     private poseWanted: Pose | undefined;
     private hasPose = false;
+    private isFadingOut = false;
 
     constructor(canvas: HTMLElement) {
         this.canvas = canvas;
@@ -115,6 +116,17 @@ export class OrbitCamera {
         this.onMoved();
     }
 
+    /** Moves what is seen. @param sideways, upwards of the view's height, at the target */
+    pan(sideways: number, upwards: number): void {
+        this.onGrabbed();
+        const { position, quaternion } = this.camera;
+        const height = 2 * Math.tan((fieldOfView / 2) * (Math.PI / 180)) * position.distanceTo(this.controls.target);
+        const step = new Vector3(-sideways * height, -upwards * height, 0).applyQuaternion(quaternion);
+        this.controls.target.add(step);
+        this.moveTo(position.clone().add(step));
+        this.onMoved();
+    }
+
     /** @param factor of the distance to the target */
     zoom(factor: number): void {
         this.onGrabbed();
@@ -125,7 +137,9 @@ export class OrbitCamera {
 
     /** Goes on with a movement that fades out; once a frame. */
     update(): void {
-        this.controls.update();
+        const moves = this.controls.update();
+        if (this.isFadingOut && !moves) this.onMoved();
+        this.isFadingOut = moves;
     }
 
     /** The camera to draw with, its depth about the model. */
