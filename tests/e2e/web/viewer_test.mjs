@@ -1,18 +1,18 @@
 // The viewer as a visitor uses it: headless Chromium on a real `anyrate serve`.
-// ANYRATE is the program; its viewer lies beside it (npm run viewer in web/). SCREENSHOTS is a folder that gets pictures.
+// ANYRATE is the program; its viewer lies beside it (npm run viewer in web/).
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { cpSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { afterAll, beforeAll, test } from "vitest";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+import { askFor, data, picture, settled, visit } from "./pages.mjs";
 import { differenceOf, drawnPixels, overlapOf } from "./pictures.mjs";
 import { framesOfSockets } from "./socket_frames.mjs";
 
-const patience = 180_000; // ms, far above what is needed, also on a machine that others use
 const nVertices = 3000;
 const scratch = scratchFolder();
 const capture = join(scratch.path, "capture");
@@ -36,51 +36,7 @@ afterAll(async () => {
     scratch.remove();
 });
 
-/** A page that fails its test if it has an error, or asks another host. */
-async function withPage({ home = proxy.url, ...options }, use) {
-    const context = await browser.newContext({ viewport: { width: 1280, height: 820 }, ...options });
-    const page = await context.newPage();
-    page.setDefaultTimeout(patience);
-    const complaints = [];
-    page.on("pageerror", (error) => complaints.push(error.message));
-    page.on("console", (line) => line.type() === "error" && complaints.push(line.text()));
-    page.on("request", (request) => {
-        const { origin, protocol } = new URL(request.url());
-        if (protocol.startsWith("http") && origin !== home) complaints.push(`a request to ${request.url()}`);
-    });
-    try {
-        await use(page);
-        const unexpected = complaints.filter((text) => !(options.expected ?? []).some((pattern) => pattern.test(text)));
-        assert.deepEqual(unexpected, []);
-    } finally {
-        await context.close();
-    }
-}
-
-const main = (page) => page.locator("main.model");
-const data = (page, name) => main(page).evaluate((element, key) => element.dataset[key], name);
-
-async function settled(page) {
-    await page.waitForFunction(() => {
-        const element = document.querySelector("main.model");
-        return element?.dataset.vertices && !element.hasAttribute("aria-busy");
-    });
-}
-
-async function askFor(page, vertices) {
-    const field = page.getByLabel("Budget as a number");
-    await field.fill(String(vertices));
-    await field.press("Enter");
-    await page.waitForFunction((n) => {
-        const { dataset } = document.querySelector("main.model");
-        return Number(dataset.vertices) <= n && Number(dataset.vertices) >= n - 2;
-    }, vertices);
-    await settled(page);
-}
-
-async function picture(page, name) {
-    if (process.env.SCREENSHOTS) await page.screenshot({ path: join(process.env.SCREENSHOTS, `${name}.png`) });
-}
+const withPage = ({ home = proxy.url, ...options }, use) => visit(browser, home, options, use);
 
 const idOf = (page) => /models\/([a-z2-7]{26})/.exec(page.url())[1];
 const expectedAt = (vertices) => decodeLog(log, draco, { vertices }).mesh;
@@ -165,6 +121,29 @@ test("Upload: it goes on where it was left, and becomes a model that refines bef
         logs.assertEachOnce();
     }));
 
+test("Upload: what the server refuses is said per file after the upload", () =>
+    withPage({ expected: [/422/] }, async (page) => {
+        const broken = join(scratch.path, "refused");
+        cpSync(capture, broken, { recursive: true });
+        const [first, second] = readdirSync(join(broken, "images")).sort();
+        const whole = readFileSync(join(broken, "images", second));
+        writeFileSync(join(broken, "images", second), whole.subarray(0, whole.length / 2));
+        await page.goto(`${proxy.url}/?new`);
+        const choose = async (folder) => {
+            await page.locator("input[webkitdirectory]").setInputFiles(folder);
+            await page.getByText("10 photographs").waitFor();
+            await page.getByText("Upload and reconstruct").click();
+        };
+        await choose(broken);
+        const refused = page.getByRole("alert").filter({ hasText: "The server refuses these files" }).last();
+        await refused.waitFor();
+        const items = await refused.getByRole("listitem").allInnerTexts();
+        assert.equal(items.length, 1, `only the cut one is refused, got ${items}`);
+        assert.ok(items[0].startsWith(`images/${second}: `) && !items[0].includes(first), items[0]);
+        await picture(page, "upload-refused");
+        assert.doesNotMatch(page.url(), /models/);
+    }));
+
 /** A zip of the capture. */
 function zippedCapture() {
     const zip = join(scratch.path, "capture.zip");
@@ -194,7 +173,7 @@ test("Upload: a zip without cameras is refused before it is sent", () =>
         const zip = join(scratch.path, "no-cameras.zip");
         execFileSync("python3", ["-m", "zipfile", "-c", zip, "images"], { cwd: capture });
         await page.goto(`${proxy.url}/?new`);
-        await page.locator("input[accept]").setInputFiles(zip);
+        await dropFiles(page, { x: 30, y: 700 }, [zip]); // beside the place for it
         const faults = page.getByRole("alert").filter({ hasText: "not ready" });
         await faults.waitFor();
         assert.match(await faults.innerText(), /cameras\.json/);
@@ -276,6 +255,41 @@ test("Gallery: the model is there with a picture of its first kilobytes", () =>
         await settled(page);
     }));
 
+test("Gallery: a model that is being made shows how far it is, gets its picture on the way, and can be deleted", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        const made = await fetch(`${server.url}/v1/models?vertices=200000`, {
+            method: "POST",
+            headers: { "Content-Type": "application/zip" },
+            body: readFileSync(zippedCapture()),
+        });
+        const { id: running } = await made.json();
+        await page.goto(proxy.url);
+        const card = page.locator(`article[data-id="${running}"]`);
+        const told = await page.waitForFunction((model) => {
+            const element = document.querySelector(`article[data-id="${model}"]`);
+            const stage = element?.querySelector(".chip").textContent;
+            const share = parseFloat(element?.querySelector(".fill").style.width);
+            return share > 0 && share < 100 && /^[A-Z][a-z]+ \d+ %$/.test(stage) && { stage, share };
+        }, running, { polling: 20 });
+        const { stage, share } = await told.jsonValue();
+        assert.equal(Number(/\d+/.exec(stage)[0]), Math.round(share), "the bar is as long as the number says");
+        await page.waitForFunction(({ model, before }) => {
+            const now = document.querySelector(`article[data-id="${model}"] .chip`).textContent;
+            return / \d+ %$/.test(now) && now !== before;
+        }, { model: running, before: stage }, { polling: 20 });
+        await card.locator("canvas.painted").waitFor();
+        await picture(page, "gallery-running");
+        assert.match(await card.innerText(), /[\d,]+ vertices/);
+        assert.equal((await fetch(`${server.url}/v1/models/${running}/cancel`, { method: "POST" })).ok, true);
+        await card.getByText("Cancelled").waitFor();
+        assert.equal(await card.locator(".bar").isVisible(), false, "there is no progress any more");
+        page.on("dialog", (dialog) => void dialog.accept());
+        await card.hover();
+        await card.getByRole("button", { name: /Delete/ }).click();
+        await card.waitFor({ state: "detached" });
+        assert.equal((await fetch(`${server.url}/v1/models/${running}`)).status, 404);
+    }));
+
 test("Model page: the first 8,192 bytes make a picture, before the colours and the rest have come", () =>
     withPage({}, async (page) => {
         const { layout, mesh } = decodeLog(log, draco, { vertices: 1 });
@@ -338,6 +352,11 @@ test("Model page: the curve and the slider lead to budgets, by keys too", () =>
         const reached = (n) => page.waitForFunction((count) => document.querySelector("main.model").dataset.vertices === String(count), n);
         await slider.press("Home");
         await reached(base);
+        for (const n of [base + 1, base + 2, base + 3]) {
+            await slider.press("ArrowRight");
+            await page.waitForFunction((count) => document.querySelector(".budget-number").value === String(count), n);
+        }
+        await reached(expectedAt(base + 3).nVertices);
         await page.getByRole("button", { name: "Bytes" }).first().click();
         await slider.press("End");
         await reached(most);
@@ -403,6 +422,9 @@ test("Model page: edges and the map of the last step are drawn, and go again", (
         };
         const difference = (a, b) => page.evaluate(differenceOf, [a, b]);
         const edges = page.getByRole("button", { name: "Edges" });
+        await page.getByRole("button", { name: "Last step" }).click();
+        await page.getByText("No step yet: choose another budget.").waitFor();
+        await page.getByRole("button", { name: "Plain" }).click();
         const plain = await shown("plain");
         await edges.click();
         const withEdges = await shown("edges");
@@ -415,6 +437,7 @@ test("Model page: edges and the map of the last step are drawn, and go again", (
         await edges.click();
         const finer = await shown("plain-finer");
         await page.getByRole("button", { name: "Last step" }).click();
+        await page.getByText(/^Last step: [\d,]+ new vertices, [\d,]+ moved$/).waitFor();
         await shown("last-step");
         const { mesh, coloured } = await drawnPixels(page);
         assert.ok(coloured > 0.05 * mesh && coloured < 0.9 * mesh, `what the step changed is marked, got ${coloured} of ${mesh} pixels`);

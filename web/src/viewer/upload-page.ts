@@ -133,7 +133,8 @@ function faultList(title: string, faults: readonly Fault[]): HTMLElement {
 
 function sayFailure(error: unknown): string | HTMLElement {
     if (error instanceof RequestError && error.faults.length > 0) {
-        return faultList("The server refuses these files. Mend them and choose the capture again: what has arrived is not sent again.", error.faults);
+        const faults = error.faults.map(({ file, sentence }) => ({ file: `${file}:`, sentence }));
+        return faultList("The server refuses these files. Mend them and choose the capture again: what has arrived is not sent again.", faults);
     }
     if (error instanceof RequestError) return error.message;
     if (error instanceof TypeError) return "The connection broke. What has arrived is not lost: try again, and the upload goes on.";
