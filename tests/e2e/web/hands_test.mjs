@@ -110,6 +110,26 @@ test("Mouse: the wheel goes nearer and farther, and Fit has all of the model in 
         assert.ok(shown.box.left > 0 && shown.box.right < shown.width - 1 && shown.box.top > 0 && shown.box.bottom < shown.height - 1, "all of it");
     }));
 
+test("View: it fits the window until it is touched, and then stays as it was made", () =>
+    withModel({}, async (page) => {
+        const resizedTo = async (width, height) => {
+            await page.setViewportSize({ width, height });
+            await page.waitForTimeout(300); // of a few frames
+            const { box, ...shown } = await drawnPixels(page);
+            await page.locator(".stage canvas").press("ArrowLeft"); // the address is told the view
+            await page.locator(".stage canvas").press("ArrowRight");
+            return { box, shown, view: await viewOf(page) };
+        };
+        const narrow = await resizedTo(900, 820);
+        assert.ok(narrow.box.left > 0 && narrow.box.right < narrow.shown.width - 1, "all of it is in view");
+        await page.mouse.move(...(await middleOfStage(page)));
+        await page.mouse.wheel(0, -300);
+        await page.waitForTimeout(300);
+        const before = await viewOf(page);
+        const { view } = await resizedTo(1280, 820);
+        assert.ok(apart(view.eye, before.eye) < 1e-3 * before.distance, "the view that was made is still there");
+    }));
+
 test("Mouse: a movement that fades out ends where the address says", () =>
     withModel({ reducedMotion: "no-preference" }, async (page) => {
         await drag(page, 150, 60);
