@@ -210,6 +210,27 @@ test("Shading: colours, the plain surface and its normals are drawn as what they
         for (const { mesh } of [colour, normals]) assert.ok(Math.abs(mesh / plain.mesh - 1) < 0.01, "it is the same surface");
     }));
 
+test("Drawing: what a browser takes away to save its memory is drawn again when it gives it back", () =>
+    withModel({ expected: [/context/i] }, async (page) => {
+        const before = await drawnPixels(page);
+        await page.evaluate(async () => {
+            const canvas = document.querySelector(".stage canvas");
+            const extension = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+            const lost = new Promise((resolve) => canvas.addEventListener("webglcontextlost", resolve, { once: true }));
+            extension.loseContext();
+            await lost;
+            const restored = new Promise((resolve) => canvas.addEventListener("webglcontextrestored", resolve, { once: true }));
+            await new Promise((resolve) => setTimeout(resolve));
+            extension.restoreContext();
+            await restored;
+        });
+        await page.waitForTimeout(500); // of a few frames
+        const after = await drawnPixels(page);
+        assert.ok(Math.abs(after.mesh - before.mesh) <= 0.01 * before.mesh, `expected ${before.mesh} pixels, got ${after.mesh}`);
+        assert.deepEqual(after.box, before.box);
+        assert.ok(after.coloured > 0.1 * after.mesh);
+    }));
+
 test("Photograph: the slider goes from the mesh over it to it over the mesh", () =>
     withModel({}, async (page) => {
         await page.locator(".thumb").nth(2).click();

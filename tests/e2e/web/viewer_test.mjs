@@ -361,6 +361,12 @@ test("Model page: the curve and the slider lead to budgets, by keys too", () =>
         await slider.press("End");
         await reached(most);
         assert.match(page.url(), /bytes=\d+/);
+        await page.getByRole("button", { name: "Distortion", exact: true }).click();
+        await slider.press("Home");
+        await reached(base);
+        assert.match(page.url(), /distortion=[\d.]+/);
+        await slider.press("End");
+        await reached(most);
         await plot.press("ArrowLeft");
         await page.waitForFunction((n) => Number(document.querySelector("main.model").dataset.vertices) < n, most);
         const { width, height } = await plot.boundingBox();
@@ -464,13 +470,15 @@ test("Model page: downloads are the server's bytes at the budget that is shown",
     }));
 
 test("Model page: a link opens the same budget, shading and view", () =>
-    withPage({}, async (page) => {
+    withPage({ permissions: ["clipboard-read", "clipboard-write"] }, async (page) => {
         await page.goto(`${proxy.url}/models/${id}?vertices=2700`);
         await settled(page);
         await page.getByRole("button", { name: "Normals" }).click();
         await page.locator("canvas").press("ArrowLeft");
         await page.locator("canvas").press("+");
-        const [link, hash] = [page.url(), await data(page, "hash")];
+        await page.getByRole("button", { name: "Copy link" }).click();
+        await page.getByRole("button", { name: "Copied" }).waitFor();
+        const [link, hash] = [await page.evaluate(() => navigator.clipboard.readText()), await data(page, "hash")];
         assert.match(link, /vertices=2700/);
         assert.match(link, /shading=normals/);
         const shown = await page.locator(".stage canvas").boundingBox();
@@ -485,6 +493,16 @@ test("Model page: a link opens the same budget, shading and view", () =>
         const afterwards = await page.screenshot({ clip: shown });
         const difference = await page.evaluate(differenceOf, [before.toString("base64"), afterwards.toString("base64")]);
         assert.ok(difference < 2, `expected the same picture, got a mean difference of ${difference} of 255`);
+    }));
+
+test("Model page: where a page may not copy, the button says where the link is", () =>
+    withPage({}, async (page) => {
+        await page.addInitScript(() => Object.defineProperty(Navigator.prototype, "clipboard", { value: undefined }));
+        await page.goto(`${proxy.url}/models/${id}`);
+        await settled(page);
+        await page.getByRole("button", { name: "Copy link" }).click();
+        await page.getByRole("button", { name: "It is in the address bar" }).waitFor();
+        assert.match(page.url(), /vertices=\d+/);
     }));
 
 test("Pages: strict policy, a name and a ring for everything that the keyboard reaches", () =>

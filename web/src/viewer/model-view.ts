@@ -80,6 +80,7 @@ export class ModelView {
         this.scene.add(this.placed);
         this.orbit = this.newOrbit();
         this.releaseKeys = orbitByKeys(this.canvas, this.orbit);
+        this.canvas.addEventListener("webglcontextrestored", this.redraw);
         this.resize = new ResizeObserver(() => this.fitCanvas(container));
         this.resize.observe(container);
         this.fitCanvas(container);
@@ -198,6 +199,7 @@ export class ModelView {
         cancelAnimationFrame(this.frame);
         this.resize.disconnect();
         this.releaseKeys();
+        this.canvas.removeEventListener("webglcontextrestored", this.redraw);
         this.orbit.dispose();
         this.morphing.dispose();
         releaseDrawing(this.drawing);
@@ -210,6 +212,10 @@ export class ModelView {
         orbit.onChange = () => (this.dirty = true);
         return orbit;
     }
+
+    private readonly redraw = (): void => {
+        this.dirty = true;
+    };
 
     private readonly tick = (now: number): void => {
         this.frame = requestAnimationFrame(this.tick);
