@@ -4,9 +4,10 @@
 usage: tests/bench/ablation.py [--captures NAME...] [--only NAME...] [--draws N] [--vertices N] [--out FOLDER]
 
 Takes a copy of the sources into the work folder and builds it; then, technique by technique, changes the one line of the
-copy that switches it off, builds again and reconstructs. A row has the error where two cameras see the true surface, Psi
-and seconds of every capture, and the ratios to the whole method ("error_ratio" above 1: the technique helps). A technique
-for imperfect captures is measured on one: made by perturb_capture, judged by the cameras of the clean one.
+copy that switches it off, builds again and reconstructs. A row has the error where two cameras see the true surface, at
+half of the vertices and at all, Psi and seconds of every capture, and the ratios to the whole method ("error_ratio" above
+1: the technique helps). A technique for imperfect captures is measured on one: made by perturb_capture, judged by the
+cameras of the clean one.
 
 Which dents a surface falls into hangs on the last digits of the cameras. --draws takes the mean over as many captures
 whose cameras differ by a ten-thousandth of a pixel; "seen_percent_of_draws" tells how far they lie apart.
@@ -78,8 +79,29 @@ TECHNIQUES = [
         "quadric_base",
         "the base's vertices stand where the surface bends",
         "core/mesh/coarse_fit.cpp",
-        "Mesh base = decimate(mesh, n_vertices);",
+        "Mesh base = decimate(stages_above(mesh, n_vertices, meter), n_vertices);",
         "Mesh base = remesh_isotropic(mesh, {.n_vertices = n_vertices});",
+    ),
+    Technique(
+        "staged_base",
+        "the base is simplified in stages that are fitted to the surface",
+        "core/mesh/coarse_fit.cpp",
+        "constexpr double first_stage = 2;",
+        "constexpr double first_stage = 1;",
+    ),
+    Technique(
+        "kept_creases",
+        "flips that splits imply leave edges along creases alone",
+        "core/progressive/refinement_rules.h",
+        "FlipRule flip_rule = FlipRule::crease_preserving;",
+        "FlipRule flip_rule = FlipRule::delaunay;",
+    ),
+    Technique(
+        "little_smoothing",
+        "vertices around a split are smoothed by a sixteenth, not by a quarter",
+        "core/progressive/refinement_rules.h",
+        "RingSmoothing ring_smoothing = RingSmoothing::sixteenth;",
+        "RingSmoothing ring_smoothing = RingSmoothing::quarter;",
     ),
     Technique(
         "adapted_surface",
@@ -208,15 +230,17 @@ def measured(bench, binary, capture, perturbation, name, options):
     """Means over the draws of one capture by one build: error in percent of the diagonal, Psi of the whole model, seconds."""
     bench.anyrate = binary
     size = ["--vertices", options.vertices, "--coarse", options.coarse]
-    errors, psis, seconds = [], [], []
+    errors, half_errors, psis, seconds = [], [], [], []
     for draw in range(options.draws):
         model, report = bench.reconstruct(photographs(bench, capture, perturbation, draw), name, *size)
         errors.append(100 * bench.seen(bench.decode(model), capture)["mean"])
+        half_errors.append(100 * bench.seen(bench.decode(model, options.vertices // 2), capture)["mean"])
         psis.append(report["curve"][-1]["psi"])
         seconds.append(report["wall_seconds"])
     row = {
         "seen_percent": statistics.fmean(errors),
         "seen_percent_of_draws": errors,
+        "seen_percent_at_half": statistics.fmean(half_errors),
         "psi": statistics.fmean(psis),
         "wall_seconds": statistics.fmean(seconds),
     }
@@ -225,7 +249,8 @@ def measured(bench, binary, capture, perturbation, name, options):
 
 
 def with_ratios(row, whole):
-    return {**row, "error_ratio": row["seen_percent"] / whole["seen_percent"], "psi_ratio": row["psi"] / whole["psi"]}
+    ratio_of = {"error_ratio": "seen_percent", "error_ratio_at_half": "seen_percent_at_half", "psi_ratio": "psi"}
+    return {**row, **{ratio: row[figure] / whole[figure] for ratio, figure in ratio_of.items()}}
 
 
 def ablate(bench, technique, sources, captures, whole, options):
@@ -251,12 +276,15 @@ def ablate(bench, technique, sources, captures, whole, options):
 
 
 def markdown(result):
-    """The table for people: without the technique, error and Psi in parts of the whole method's."""
+    """The table for people: without the technique, errors at half and all of the vertices and Psi, in parts of the whole's."""
     names = list(result["whole"])
-    lines = ["| without | " + " | ".join(f"{n}: error, Psi" for n in names) + " |", "|---|" + "---|" * len(names)]
+    lines = ["| without | " + " | ".join(f"{n}: error at half, at all, Psi" for n in names) + " |", "|---|" + "---|" * len(names)]
     for name, row in result["techniques"].items():
         cells = [
-            "failed" if "failed" in row else "{error_ratio:.2f}, {psi_ratio:.2f}".format(**row["captures"][n]) for n in names
+            "failed"
+            if "failed" in row
+            else "{error_ratio_at_half:.2f}, {error_ratio:.2f}, {psi_ratio:.2f}".format(**row["captures"][n])
+            for n in names
         ]
         lines.append(f"| {name}: {row['what']} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
