@@ -10,6 +10,7 @@
 #include "server/http/problem.h"
 #include "server/http/query.h"
 #include "server/store/model_id.h"
+#include "server/store/sha256.h"
 
 namespace anyrate {
 namespace {
@@ -64,13 +65,11 @@ void expect_zip(const Upload& upload) {
         throw HttpProblem(400, "the body is no zip file: it does not begin with the bytes 50 4B 03 04");
 }
 
-/// What must be equal for a repeated key to mean the same request.
+/// What must be equal for a repeated key to mean the same request: options and capture, byte for byte. The zip of a
+/// form is made of its parts alone, so a boundary that a client makes up anew changes nothing.
 std::string fingerprint(const Request& request, const ModelOptions& options) {
-    std::string text = "vertices=" + std::to_string(options.n_vertices) +
-                       "&coarse=" + std::to_string(options.n_coarse) +
-                       "&bytes=" + std::to_string(request.upload->n_bytes);
-    if (const auto capture = query_capture(request)) text += "&capture=" + *capture;
-    return text;
+    return "vertices=" + std::to_string(options.n_vertices) + "&coarse=" + std::to_string(options.n_coarse) +
+           "&sha256=" + to_hex(sha256_of_file(request.upload->file));
 }
 
 /// Puts the capture of a request, as a zip, in the place of its body: what arrived file by file, or the parts of a
@@ -115,16 +114,14 @@ void check_create_model(Service& service, const Request& request) {
 Response create_model(Service& service, const Request& request) {
     const ModelOptions options = query_options(request);
     const std::vector<CaptureFile> files = take_capture(service, request);
-    const Upload& upload = request.upload.value();
+    const std::string key = idempotency_key(request);
+    const std::string meaning = key.empty() ? "" : fingerprint(request, options);
     const std::string id = new_model_id();
     // The capture is in place before the catalog knows of it: a crash in between leaves a folder that the next start
     // removes, never a model without its capture.
-    service.store.adopt_upload(upload.file, id);
-    const Added added = service.catalog.add({.id = id,
-                                             .options = options,
-                                             .idempotency_key = idempotency_key(request),
-                                             .request_fingerprint = fingerprint(request, options)},
-                                            now());
+    service.store.adopt_upload(request.upload->file, id);
+    const Added added = service.catalog.add(
+        {.id = id, .options = options, .idempotency_key = key, .request_fingerprint = meaning}, now());
     if (added.kind != Added::Kind::made) service.store.remove(id);
     if (added.kind == Added::Kind::key_reused)
         throw HttpProblem(422, "this Idempotency-Key was used for another request");

@@ -101,7 +101,15 @@ TEST_CASE("POST: one Idempotency-Key makes one model, and belongs to one request
     const auto first = f.text(f.post("PK\x03\x04", {}, "key"));
     CHECK(f.text(f.post("PK\x03\x04", {}, "key")) == first);
     CHECK(f.post("PK\x03\x04 other", {}, "key").status == 422);
+    CHECK(f.post("PK\x03\x04", {{"vertices", "500"}}, "key").status == 422);
     CHECK(f.catalog.list(10, "").models.size() == 1);
+}
+
+TEST_CASE("POST: a key that comes back with another capture of the same length is refused") {
+    Fixture f;
+    CHECK(f.post("PK\x03\x04 one", {}, "key").status == 202);
+    CHECK(f.post("PK\x03\x04 two", {}, "key").status == 422);
+    CHECK(f.post("PK\x03\x04 one", {}, "key").status == 202);
 }
 
 TEST_CASE("Log: a budget gets a prefix that decodes to 0 to 2 vertices below it") {
@@ -232,6 +240,17 @@ TEST_CASE("Readiness: a full disk is told, and takes no upload") {
     CHECK(f.get("/healthz").status == 200);
     CHECK(f.get("/readyz").status == 503);
     CHECK(f.post("PK\x03\x04").status == 507);
+}
+
+TEST_CASE("Readiness: a data directory in which nothing can be written is told") {
+    Fixture f;
+    std::filesystem::remove_all(f.folder.path() / "uploads");
+    const Response told = f.get("/readyz");
+    CHECK(told.status == 503);
+    CHECK(f.text(told).find(f.folder.path().string()) == std::string::npos);
+    std::filesystem::create_directory(f.folder.path() / "uploads");
+    CHECK(f.get("/readyz").status == 200);
+    CHECK(std::filesystem::is_empty(f.folder.path() / "uploads"));
 }
 
 TEST_CASE("Readiness: a catalog whose file is gone or is none any more is told") {
