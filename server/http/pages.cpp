@@ -134,6 +134,11 @@ Response readyz(Service& service, const Request&) {
     }
     if (service.store.free_bytes() < service.min_free_bytes)
         throw HttpProblem(503, "the disk of the data directory is full");
+    try {
+        service.store.try_to_write();
+    } catch (const IoError&) {  // its sentence names a path of this machine
+        throw HttpProblem(503, "nothing can be written in the data directory");
+    }
     return text_response("ready\n", "text/plain");
 }
 
