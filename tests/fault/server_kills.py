@@ -76,14 +76,14 @@ def main():
             n_up += 1
             check_acknowledged(server, findings, uploader, body)
             for pid in workers:
-                deadline = time.monotonic() + 10
+                deadline = time.monotonic() + harness.PATIENCE
                 while support.Path(f"/proc/{pid}").exists() and time.monotonic() < deadline:
                     time.sleep(0.01)
                 findings.expect(not support.Path(f"/proc/{pid}").exists(), "a worker outlived its server")
         uploader.is_over = True
         uploader.join()
         check_acknowledged(server, findings, uploader, body)
-        deadline = time.monotonic() + 120 + 10 * len(uploader.acknowledged)
+        deadline = time.monotonic() + harness.PATIENCE + 10 * len(uploader.acknowledged)
         states = {}
         while time.monotonic() < deadline:
             models = json.loads(server.request("GET", "/v1/models?limit=1000")[2])["models"]
