@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/http/capture_handlers.h"
+#include "server/http/digest.h"
 #include "server/http/model_json.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
@@ -76,6 +77,7 @@ std::string fingerprint(const Request& request, const ModelOptions& options) {
 /// form. @return what was found of each of its files @throws HttpProblem 400, 404, 422
 std::vector<CaptureFile> take_capture(Service& service, const Request& request) {
     const Upload& upload = request.upload.value();
+    if (digest_of_request(request)) expect_digest(request, sha256_of_file(upload.file));
     if (const auto capture = query_capture(request)) {
         if (upload.n_bytes > 0) throw HttpProblem(400, "a model of capture=" + *capture + " takes no body");
         return zip_arrived_capture(service, *capture, upload.file);
@@ -84,6 +86,20 @@ std::vector<CaptureFile> take_capture(Service& service, const Request& request) 
         return zip_form(service, *request.headers.find("Content-Type"), upload.file);
     expect_zip(upload);
     return judge_uploaded_zip(service, upload.file);
+}
+
+/// What `after=` says: the id of a model, or its number, which `next` has, for the model may be gone when the next page
+/// is asked for. @throws HttpProblem 400, 404
+std::uint64_t query_number_before(Service& service, const Request& request) {
+    const auto after = request.query.find("after");
+    if (after == request.query.end()) return Catalog::from_newest;
+    if (after->second.find_first_not_of("0123456789") == std::string::npos)
+        return query_integer(request, "after", 1, Catalog::from_newest).value();
+    if (!is_model_id(after->second))
+        throw HttpProblem(400, "after=" + after->second + ": expected what `next` of a page has, or the id of a model");
+    if (const auto model = service.catalog.find(after->second)) return model->number;
+    throw HttpProblem(404,
+                      "there is no model " + after->second + " any more to go on behind: begin with the first page");
 }
 
 Response accepted(Service& service, const std::string& id, const std::vector<CaptureFile>& files) {
@@ -99,6 +115,7 @@ Response accepted(Service& service, const std::string& id, const std::vector<Cap
 void check_create_model(Service& service, const Request& request) {
     query_options(request);
     idempotency_key(request);
+    digest_of_request(request);
     if (const auto capture = query_capture(request)) {
         expect_complete_capture(service, *capture);
     } else if (const auto type = media_type(request);
@@ -132,11 +149,8 @@ Response create_model(Service& service, const Request& request) {
 Response list_models(Service& service, const Request& request) {
     expect_only(request, {"limit", "after"});
     const auto limit = static_cast<std::size_t>(query_integer(request, "limit", 1, 1000).value_or(100));
-    const auto after = request.query.find("after");
-    if (after != request.query.end() && !is_model_id(after->second))
-        throw HttpProblem(400, "after=" + after->second + ": expected the id of a model");
-    const ModelPage page = service.catalog.list(limit, after == request.query.end() ? "" : after->second);
-    return json_response(200, model_list_json(page, limit));
+    const std::uint64_t before = query_number_before(service, request);
+    return json_response(200, model_list_json(service.catalog.list(limit, before), limit));
 }
 
 Response show_model(Service& service, const Request& request) {

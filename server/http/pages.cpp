@@ -100,7 +100,7 @@ Response text_response(std::string text, const char* content_type) {
 
 Response front_page(Service& service, const Request& request) {
     if (service.viewer) return service.viewer->page(request);
-    const ModelPage models = service.catalog.list(max_models, "");
+    const ModelPage models = service.catalog.list(max_models, Catalog::from_newest);
     std::ostringstream page;
     page << page_head;
     if (models.models.empty()) {
@@ -128,7 +128,7 @@ Response healthz(const Request&) { return text_response("ok\n", "text/plain"); }
 
 Response readyz(Service& service, const Request&) {
     try {
-        service.catalog.list(1, "");
+        service.catalog.list(1, Catalog::from_newest);
     } catch (const IoError& error) {
         throw HttpProblem(503, error.what());
     }

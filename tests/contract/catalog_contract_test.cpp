@@ -282,23 +282,36 @@ TEST_CASE_TEMPLATE("Catalog: an idempotency key stands for one request", Impleme
     CHECK(repeated.kind == Added::Kind::repeated);
     CHECK(repeated.id == id);
     CHECK(catalog->add(other, at(1)).kind == Added::Kind::key_reused);
-    CHECK(catalog->list(10, "").models.size() == 1);
+    CHECK(catalog->list(10, Catalog::from_newest).models.size() == 1);
 }
 
 TEST_CASE_TEMPLATE("Catalog: pages go from the newest to the oldest", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();
     const std::string a = add(*catalog), b = add(*catalog), c = add(*catalog);
-    const ModelPage first = catalog->list(2, "");
+    const ModelPage first = catalog->list(2, Catalog::from_newest);
     REQUIRE(first.models.size() == 2);
     CHECK(first.models[0].id == c);
     CHECK(first.models[1].id == b);
     CHECK(first.more);
-    const ModelPage second = catalog->list(2, b);
-    REQUIRE(second.models.size() == 1);
-    CHECK(second.models[0].id == a);
-    CHECK_FALSE(second.more);
-    CHECK(catalog->list(2, new_model_id()).models.empty());
+    for (const bool is_gone : {false, true}) {  // the last of the first page, when the second is asked for
+        CAPTURE(is_gone);
+        if (is_gone) catalog->remove(b);
+        const ModelPage second = catalog->list(2, first.models[1].number);
+        REQUIRE(second.models.size() == 1);
+        CHECK(second.models[0].id == a);
+        CHECK_FALSE(second.more);
+    }
+    CHECK(catalog->list(2, catalog->find(a)->number).models.empty());
+}
+
+TEST_CASE_TEMPLATE("Catalog: a removed model's number is given to no other", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string a = add(*catalog);
+    const std::uint64_t number = catalog->find(a)->number;
+    catalog->remove(a);
+    CHECK(catalog->find(add(*catalog))->number > number);
 }
 
 TEST_CASE_TEMPLATE("Catalog: a removed model is forgotten in every state", Implementation, Sqlite) {
