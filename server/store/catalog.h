@@ -112,8 +112,10 @@ public:
     /// Final models that have not changed since `before`, the oldest first.
     virtual std::vector<ModelRecord> final_before(Timestamp before) = 0;
 
-    /// Takes the oldest queued model whose time has come for one attempt, under a new lease: it is running and has one
-    /// attempt more. Its curve stays, for the attempt may go on with the log.
+    /// Takes a queued model whose time has come for one attempt, under a new lease: it is running and has one attempt
+    /// more. Its curve stays, for the attempt may go on with the log. The oldest goes first, but behind all that had
+    /// fewer fruitless attempts (RetryRule): one that takes its server or its workers down lets the others by, and a
+    /// server that is killed again and again does not spend every attempt on the same model.
     virtual std::optional<ModelRecord> claim_next(Timestamp now, Timestamp lease_until = Timestamp::max()) = 0;
 
     // The calls of a running attempt. @return false, and nothing changes, if the lease is over

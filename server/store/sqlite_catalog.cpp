@@ -191,7 +191,7 @@ std::optional<ModelRecord> SqliteCatalog::claim_next(Timestamp now, Timestamp le
         {
             SqliteStatement row(state_->database,
                                 "SELECT id FROM model WHERE state = 'queued' AND (not_before <= ? OR not_before > ?) "
-                                "ORDER BY number LIMIT 1",
+                                "ORDER BY fruitless, number LIMIT 1",
                                 to_number(now), to_number(now + longest_delay));
             if (!row.next()) return std::nullopt;
             id = row.text(0);

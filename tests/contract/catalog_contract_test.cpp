@@ -67,6 +67,24 @@ TEST_CASE_TEMPLATE("Catalog: models are claimed in their order, each once", Impl
     CHECK(catalog->find(first)->attempts == 1);
 }
 
+TEST_CASE_TEMPLATE("Catalog: models whose server dies share what attempts there are", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string first = add(*catalog), second = add(*catalog), third = add(*catalog);
+    const RetryRule rule{.max_fruitless = 20};
+    std::map<std::string, int> n_attempts;
+    for (int time = 1; time <= 30; ++time) {  // the server is killed before any attempt gets further
+        ++n_attempts[claim(*catalog, time).id];
+        CHECK(catalog->recover(Timestamp::max(), rule, "too often", at(time)) == 1);
+    }
+    CHECK(n_attempts == std::map<std::string, int>{{first, 10}, {second, 10}, {third, 10}});
+    const Lease lease = claim(*catalog, 31);  // one that gets further goes before the others again
+    CHECK(lease.id == first);
+    catalog->add_rate_point(lease, {700, 9000, 12.5, 1.25});
+    catalog->recover(Timestamp::max(), rule, "too often", at(32));
+    CHECK(claim(*catalog, 33).id == first);
+}
+
 TEST_CASE_TEMPLATE("Catalog: many claimers never get the same model", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();

@@ -84,15 +84,16 @@ def main():
         uploader.join()
         check_acknowledged(server, findings, uploader, body)
         deadline = time.monotonic() + harness.PATIENCE + 10 * len(uploader.acknowledged)
-        states = {}
+        states, errors = {}, {}
         while time.monotonic() < deadline:
             models = json.loads(server.request("GET", "/v1/models?limit=1000")[2])["models"]
             states = {model["id"]: model["state"] for model in models}
+            errors = {model["id"]: model.get("error", "") for model in models}
             if all(state not in ("queued", "running") for state in states.values()):
                 break
             time.sleep(0.5)
         for model, state in states.items():
-            findings.expect(state == "done", f"model {model} is {state}")
+            findings.expect(state == "done", f"model {model} is {state}: {errors[model]}")
         for model in uploader.acknowledged:
             log = server.sealed(model)
             if states.get(model) == "done":
