@@ -32,6 +32,9 @@ void add_job_options(CLI::App& app, JobOptions& options) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     add_keep_options(app, options.keep_days, options.keep_mb);
+    // Of a server only: `gc` in the same environment removes what it is told to in its own command line.
+    app.get_option("--keep-days")->envname("ANYRATE_KEEP_DAYS");
+    app.get_option("--keep-mb")->envname("ANYRATE_KEEP_MB");
 }
 
 void add_keep_options(CLI::App& app, std::optional<double>& keep_days, std::optional<std::uint64_t>& keep_mb) {

@@ -175,7 +175,8 @@ void add_serve(CLI::App& app, Command& command) {
         ->envname("ANYRATE_MAX_UPLOAD")
         ->check(CLI::Range(1, 1 << 20))
         ->capture_default_str();
-    sub->add_option("--viewer", request->viewer, "folder of the web viewer; the one beside this program by default");
+    sub->add_option("--viewer", request->viewer, "folder of the web viewer; the one beside this program by default")
+        ->envname("ANYRATE_VIEWER");
     add_access_options(*sub, *request);
     add_operation_options(*sub, *request);
     sub->footer(

@@ -224,10 +224,7 @@ Response put_capture_file(Service& service, const Request& request) {
         digest = sha256(body.bytes());
     }
     file.sha256 = to_hex(digest);
-    const auto expected = digest_of_request(request);
-    if (expected && *expected != digest)
-        throw HttpProblem(422, "the body's SHA-256 is " + file.sha256 + ", the request says " + to_hex(*expected) +
-                                   ": send the file again");
+    expect_digest(request, digest);
     const CaptureRecord before = expect_capture(service, id);
     if (before.n_bytes() + file.n_bytes > service.max_capture_bytes)
         throw HttpProblem(413, "a capture may have " + std::to_string(service.max_capture_bytes) + " bytes in all");

@@ -77,4 +77,11 @@ std::optional<Sha256> digest_of_request(const Request& request) {
     return std::nullopt;
 }
 
+void expect_digest(const Request& request, const Sha256& digest) {
+    const auto expected = digest_of_request(request);
+    if (expected && *expected != digest)
+        throw HttpProblem(422, "the body's SHA-256 is " + to_hex(digest) + ", the request says " + to_hex(*expected) +
+                                   ": send it again");
+}
+
 }  // namespace anyrate

@@ -11,4 +11,7 @@ namespace anyrate {
 /// @throws HttpProblem 400 it is not the base64 of 32 bytes
 std::optional<Sha256> digest_of_request(const Request& request);
 
+/// @param digest  of the body that came @throws HttpProblem 422 the request says another one
+void expect_digest(const Request& request, const Sha256& digest);
+
 }  // namespace anyrate

@@ -51,7 +51,8 @@ LogView expect_log(Service& service, const Request& request, bool is_live_form =
     const bool is_left_preview = has_failed && service.catalog.curve(model.id).empty();
     if (log && !is_left_preview) return std::move(*log);
     if (is_final(model.state))
-        throw HttpProblem(404, "model " + model.id + " has no log: it " + state_name(model.state) + ": " + model.error);
+        throw HttpProblem(404, "model " + model.id + " has no log: it is " + state_name(model.state) +
+                                   (model.error.empty() ? "" : ": " + model.error));
     throw HttpProblem(404, "model " + model.id + " has no log yet: it is " + state_name(model.state),
                       {{"Retry-After", "1"}});
 }

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "server/http/capture_handlers.h"
+#include "server/http/digest.h"
 #include "server/http/model_json.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
 #include "server/http/query.h"
 #include "server/store/model_id.h"
+#include "server/store/sha256.h"
 
 namespace anyrate {
 namespace {
@@ -64,19 +66,18 @@ void expect_zip(const Upload& upload) {
         throw HttpProblem(400, "the body is no zip file: it does not begin with the bytes 50 4B 03 04");
 }
 
-/// What must be equal for a repeated key to mean the same request.
+/// What must be equal for a repeated key to mean the same request: options and capture, byte for byte. The zip of a
+/// form is made of its parts alone, so a boundary that a client makes up anew changes nothing.
 std::string fingerprint(const Request& request, const ModelOptions& options) {
-    std::string text = "vertices=" + std::to_string(options.n_vertices) +
-                       "&coarse=" + std::to_string(options.n_coarse) +
-                       "&bytes=" + std::to_string(request.upload->n_bytes);
-    if (const auto capture = query_capture(request)) text += "&capture=" + *capture;
-    return text;
+    return "vertices=" + std::to_string(options.n_vertices) + "&coarse=" + std::to_string(options.n_coarse) +
+           "&sha256=" + to_hex(sha256_of_file(request.upload->file));
 }
 
 /// Puts the capture of a request, as a zip, in the place of its body: what arrived file by file, or the parts of a
 /// form. @return what was found of each of its files @throws HttpProblem 400, 404, 422
 std::vector<CaptureFile> take_capture(Service& service, const Request& request) {
     const Upload& upload = request.upload.value();
+    if (digest_of_request(request)) expect_digest(request, sha256_of_file(upload.file));
     if (const auto capture = query_capture(request)) {
         if (upload.n_bytes > 0) throw HttpProblem(400, "a model of capture=" + *capture + " takes no body");
         return zip_arrived_capture(service, *capture, upload.file);
@@ -85,6 +86,20 @@ std::vector<CaptureFile> take_capture(Service& service, const Request& request) 
         return zip_form(service, *request.headers.find("Content-Type"), upload.file);
     expect_zip(upload);
     return judge_uploaded_zip(service, upload.file);
+}
+
+/// What `after=` says: the id of a model, or its number, which `next` has, for the model may be gone when the next page
+/// is asked for. @throws HttpProblem 400, 404
+std::uint64_t query_number_before(Service& service, const Request& request) {
+    const auto after = request.query.find("after");
+    if (after == request.query.end()) return Catalog::from_newest;
+    if (after->second.find_first_not_of("0123456789") == std::string::npos)
+        return query_integer(request, "after", 1, Catalog::from_newest).value();
+    if (!is_model_id(after->second))
+        throw HttpProblem(400, "after=" + after->second + ": expected what `next` of a page has, or the id of a model");
+    if (const auto model = service.catalog.find(after->second)) return model->number;
+    throw HttpProblem(404,
+                      "there is no model " + after->second + " any more to go on behind: begin with the first page");
 }
 
 Response accepted(Service& service, const std::string& id, const std::vector<CaptureFile>& files) {
@@ -100,6 +115,7 @@ Response accepted(Service& service, const std::string& id, const std::vector<Cap
 void check_create_model(Service& service, const Request& request) {
     query_options(request);
     idempotency_key(request);
+    digest_of_request(request);
     if (const auto capture = query_capture(request)) {
         expect_complete_capture(service, *capture);
     } else if (const auto type = media_type(request);
@@ -115,16 +131,14 @@ void check_create_model(Service& service, const Request& request) {
 Response create_model(Service& service, const Request& request) {
     const ModelOptions options = query_options(request);
     const std::vector<CaptureFile> files = take_capture(service, request);
-    const Upload& upload = request.upload.value();
+    const std::string key = idempotency_key(request);
+    const std::string meaning = key.empty() ? "" : fingerprint(request, options);
     const std::string id = new_model_id();
     // The capture is in place before the catalog knows of it: a crash in between leaves a folder that the next start
     // removes, never a model without its capture.
-    service.store.adopt_upload(upload.file, id);
-    const Added added = service.catalog.add({.id = id,
-                                             .options = options,
-                                             .idempotency_key = idempotency_key(request),
-                                             .request_fingerprint = fingerprint(request, options)},
-                                            now());
+    service.store.adopt_upload(request.upload->file, id);
+    const Added added = service.catalog.add(
+        {.id = id, .options = options, .idempotency_key = key, .request_fingerprint = meaning}, now());
     if (added.kind != Added::Kind::made) service.store.remove(id);
     if (added.kind == Added::Kind::key_reused)
         throw HttpProblem(422, "this Idempotency-Key was used for another request");
@@ -135,11 +149,8 @@ Response create_model(Service& service, const Request& request) {
 Response list_models(Service& service, const Request& request) {
     expect_only(request, {"limit", "after"});
     const auto limit = static_cast<std::size_t>(query_integer(request, "limit", 1, 1000).value_or(100));
-    const auto after = request.query.find("after");
-    if (after != request.query.end() && !is_model_id(after->second))
-        throw HttpProblem(400, "after=" + after->second + ": expected the id of a model");
-    const ModelPage page = service.catalog.list(limit, after == request.query.end() ? "" : after->second);
-    return json_response(200, model_list_json(page, limit));
+    const std::uint64_t before = query_number_before(service, request);
+    return json_response(200, model_list_json(service.catalog.list(limit, before), limit));
 }
 
 Response show_model(Service& service, const Request& request) {

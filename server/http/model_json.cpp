@@ -80,7 +80,9 @@ std::string new_model_json(const ModelRecord& model, const std::string& files_js
 std::string model_list_json(const ModelPage& page, std::size_t limit) {
     ordered_json json = {{"models", ordered_json::array()}};
     for (const ModelRecord& model : page.models) json["models"].push_back(to_json(model));
-    if (page.more) json["next"] = "/v1/models?limit=" + std::to_string(limit) + "&after=" + page.models.back().id;
+    if (page.more)
+        json["next"] =
+            "/v1/models?limit=" + std::to_string(limit) + "&after=" + std::to_string(page.models.back().number);
     return to_text(json);
 }
 

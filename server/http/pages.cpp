@@ -100,7 +100,7 @@ Response text_response(std::string text, const char* content_type) {
 
 Response front_page(Service& service, const Request& request) {
     if (service.viewer) return service.viewer->page(request);
-    const ModelPage models = service.catalog.list(max_models, "");
+    const ModelPage models = service.catalog.list(max_models, Catalog::from_newest);
     std::ostringstream page;
     page << page_head;
     if (models.models.empty()) {
@@ -128,12 +128,17 @@ Response healthz(const Request&) { return text_response("ok\n", "text/plain"); }
 
 Response readyz(Service& service, const Request&) {
     try {
-        service.catalog.list(1, "");
+        service.catalog.list(1, Catalog::from_newest);
     } catch (const IoError& error) {
         throw HttpProblem(503, error.what());
     }
     if (service.store.free_bytes() < service.min_free_bytes)
         throw HttpProblem(503, "the disk of the data directory is full");
+    try {
+        service.store.try_to_write();
+    } catch (const IoError&) {  // its sentence names a path of this machine
+        throw HttpProblem(503, "nothing can be written in the data directory");
+    }
     return text_response("ready\n", "text/plain");
 }
 

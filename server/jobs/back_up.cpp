@@ -92,12 +92,12 @@ bool copy_model(const fs::path& data, const fs::path& target, const std::string&
 
 std::vector<std::string> ids_in(Catalog& catalog) {
     std::vector<std::string> ids;
-    for (bool more = true; more;) {
-        const ModelPage page = catalog.list(1000, ids.empty() ? "" : ids.back());
+    ModelPage page = catalog.list(1000, Catalog::from_newest);
+    for (;;) {
         for (const ModelRecord& model : page.models) ids.push_back(model.id);
-        more = page.more;
+        if (!page.more) return ids;
+        page = catalog.list(1000, page.models.back().number);
     }
-    return ids;
 }
 
 BackUp copy_all(const fs::path& data, const fs::path& target) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -50,7 +51,8 @@ struct ModelRecord {
     std::string error;  ///< the sentence of a failed model
     int attempts = 0;   ///< begun so far
     Timestamp created{}, updated{};
-    std::uint64_t epoch = 0;  ///< of the latest lease; 0 before the first
+    std::uint64_t epoch = 0;   ///< of the latest lease; 0 before the first
+    std::uint64_t number = 0;  ///< in order of arrival; none has that of another, also of one that was removed
 };
 
 /// The right to run one attempt at a model. It ends when it is not renewed in time, and when the model is cancelled or
@@ -96,9 +98,9 @@ public:
     /// Enters a model as queued. `key_reused` if the idempotency key belongs to a request with another fingerprint.
     virtual Added add(const NewModel& model, Timestamp now) = 0;
     virtual std::optional<ModelRecord> find(const std::string& id) = 0;
-    /// @param after  id of the last model of the page before; empty for the first page; an unknown id gives an empty
-    /// page
-    virtual ModelPage list(std::size_t limit, const std::string& after) = 0;
+    static constexpr std::uint64_t from_newest = std::numeric_limits<std::int64_t>::max();  ///< of list()
+    /// @param before  number of the last model of the page before, which may be gone by now; or from_newest
+    virtual ModelPage list(std::size_t limit, std::uint64_t before) = 0;
     virtual std::vector<RatePoint> curve(const std::string& id) = 0;
     /// Forgets a model in any state. @return whether it was there
     virtual bool remove(const std::string& id) = 0;
@@ -110,8 +112,10 @@ public:
     /// Final models that have not changed since `before`, the oldest first.
     virtual std::vector<ModelRecord> final_before(Timestamp before) = 0;
 
-    /// Takes the oldest queued model whose time has come for one attempt, under a new lease: it is running and has one
-    /// attempt more. Its curve stays, for the attempt may go on with the log.
+    /// Takes a queued model whose time has come for one attempt, under a new lease: it is running and has one attempt
+    /// more. Its curve stays, for the attempt may go on with the log. The oldest goes first, but behind all that had
+    /// fewer fruitless attempts (RetryRule): one that takes its server or its workers down lets the others by, and a
+    /// server that is killed again and again does not spend every attempt on the same model.
     virtual std::optional<ModelRecord> claim_next(Timestamp now, Timestamp lease_until = Timestamp::max()) = 0;
 
     // The calls of a running attempt. @return false, and nothing changes, if the lease is over

@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
+#include <atomic>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -93,6 +95,19 @@ std::optional<LogView> ModelStore::open_live_log(const std::string& id) const {
 
 std::uint64_t ModelStore::free_bytes() const {
     return io([&] { return fs::space(data_).available; });
+}
+
+void ModelStore::try_to_write() const {
+    static std::atomic<std::uint64_t> n_tries{0};  // several may try at a time
+    const fs::path file = upload_file("try-" + std::to_string(++n_tries));
+    try {
+        write_all(create_file(file), as_bytes("x"));
+    } catch (const IoError&) {
+        std::error_code ignored;  // what matters is said below
+        fs::remove(file, ignored);
+        throw;
+    }
+    remove_file(file);
 }
 
 }  // namespace anyrate

@@ -48,6 +48,9 @@ public:
     std::optional<LogView> open_live_log(const std::string& id) const;
     /// Bytes a program may still write on this disk. @throws IoError
     std::uint64_t free_bytes() const;
+    /// Writes a little in the data directory and takes it away again: what a disk that fails, is full beyond what
+    /// free_bytes() can tell or was set to reading only refuses. @throws IoError
+    void try_to_write() const;
 
 private:
     std::filesystem::path data_;

@@ -10,7 +10,9 @@ namespace anyrate {
 namespace {
 
 constexpr const char* record_columns =
-    "id, state, options, stage, fraction, vertices, bytes, psi, error, attempts, created, updated, epoch, seconds_left";
+    "id, state, options, stage, fraction, vertices, bytes, psi, error, attempts, created, updated, epoch, "
+    "seconds_left, "
+    "number";
 
 /// What ends an attempt that is to be tried again; ?1 the limit, ?2 what it counts, ?3 the sentence, ?4 not before, ?5
 /// now.
@@ -51,6 +53,7 @@ ModelRecord read_record(SqliteStatement& row) {
     record.created = Timestamp(std::chrono::milliseconds(row.integer(10)));
     record.updated = Timestamp(std::chrono::milliseconds(row.integer(11)));
     record.epoch = static_cast<std::uint64_t>(row.integer(12));
+    record.number = static_cast<std::uint64_t>(row.integer(14));
     return record;
 }
 
@@ -111,14 +114,13 @@ std::optional<ModelRecord> SqliteCatalog::find(const std::string& id) {
     return state_->find(id);
 }
 
-ModelPage SqliteCatalog::list(std::size_t limit, const std::string& after) {
+ModelPage SqliteCatalog::list(std::size_t limit, std::uint64_t before) {
     const std::lock_guard lock(state_->mutex);
     state_->database.expect_in_place();
-    SqliteStatement row(state_->database,
-                        std::string("SELECT ") + record_columns +
-                            " FROM model WHERE ? = '' OR number < (SELECT number FROM model WHERE id = ?)"
-                            " ORDER BY number DESC LIMIT ?",
-                        after, after, limit + 1);
+    SqliteStatement row(
+        state_->database,
+        std::string("SELECT ") + record_columns + " FROM model WHERE number < ? ORDER BY number DESC LIMIT ?", before,
+        limit + 1);
     ModelPage page;
     while (row.next()) {
         if (page.models.size() == limit) {
@@ -189,7 +191,7 @@ std::optional<ModelRecord> SqliteCatalog::claim_next(Timestamp now, Timestamp le
         {
             SqliteStatement row(state_->database,
                                 "SELECT id FROM model WHERE state = 'queued' AND (not_before <= ? OR not_before > ?) "
-                                "ORDER BY number LIMIT 1",
+                                "ORDER BY fruitless, number LIMIT 1",
                                 to_number(now), to_number(now + longest_delay));
             if (!row.next()) return std::nullopt;
             id = row.text(0);

@@ -16,7 +16,7 @@ public:
 
     Added add(const NewModel& model, Timestamp now) override;
     std::optional<ModelRecord> find(const std::string& id) override;
-    ModelPage list(std::size_t limit, const std::string& after) override;
+    ModelPage list(std::size_t limit, std::uint64_t before) override;
     std::vector<RatePoint> curve(const std::string& id) override;
     bool remove(const std::string& id) override;
     bool cancel(const std::string& id, Timestamp now) override;

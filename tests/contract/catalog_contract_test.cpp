@@ -67,6 +67,24 @@ TEST_CASE_TEMPLATE("Catalog: models are claimed in their order, each once", Impl
     CHECK(catalog->find(first)->attempts == 1);
 }
 
+TEST_CASE_TEMPLATE("Catalog: models whose server dies share what attempts there are", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string first = add(*catalog), second = add(*catalog), third = add(*catalog);
+    const RetryRule rule{.max_fruitless = 20};
+    std::map<std::string, int> n_attempts;
+    for (int time = 1; time <= 30; ++time) {  // the server is killed before any attempt gets further
+        ++n_attempts[claim(*catalog, time).id];
+        CHECK(catalog->recover(Timestamp::max(), rule, "too often", at(time)) == 1);
+    }
+    CHECK(n_attempts == std::map<std::string, int>{{first, 10}, {second, 10}, {third, 10}});
+    const Lease lease = claim(*catalog, 31);  // one that gets further goes before the others again
+    CHECK(lease.id == first);
+    catalog->add_rate_point(lease, {700, 9000, 12.5, 1.25});
+    catalog->recover(Timestamp::max(), rule, "too often", at(32));
+    CHECK(claim(*catalog, 33).id == first);
+}
+
 TEST_CASE_TEMPLATE("Catalog: many claimers never get the same model", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();
@@ -282,23 +300,36 @@ TEST_CASE_TEMPLATE("Catalog: an idempotency key stands for one request", Impleme
     CHECK(repeated.kind == Added::Kind::repeated);
     CHECK(repeated.id == id);
     CHECK(catalog->add(other, at(1)).kind == Added::Kind::key_reused);
-    CHECK(catalog->list(10, "").models.size() == 1);
+    CHECK(catalog->list(10, Catalog::from_newest).models.size() == 1);
 }
 
 TEST_CASE_TEMPLATE("Catalog: pages go from the newest to the oldest", Implementation, Sqlite) {
     Implementation place;
     const auto catalog = place.make();
     const std::string a = add(*catalog), b = add(*catalog), c = add(*catalog);
-    const ModelPage first = catalog->list(2, "");
+    const ModelPage first = catalog->list(2, Catalog::from_newest);
     REQUIRE(first.models.size() == 2);
     CHECK(first.models[0].id == c);
     CHECK(first.models[1].id == b);
     CHECK(first.more);
-    const ModelPage second = catalog->list(2, b);
-    REQUIRE(second.models.size() == 1);
-    CHECK(second.models[0].id == a);
-    CHECK_FALSE(second.more);
-    CHECK(catalog->list(2, new_model_id()).models.empty());
+    for (const bool is_gone : {false, true}) {  // the last of the first page, when the second is asked for
+        CAPTURE(is_gone);
+        if (is_gone) catalog->remove(b);
+        const ModelPage second = catalog->list(2, first.models[1].number);
+        REQUIRE(second.models.size() == 1);
+        CHECK(second.models[0].id == a);
+        CHECK_FALSE(second.more);
+    }
+    CHECK(catalog->list(2, catalog->find(a)->number).models.empty());
+}
+
+TEST_CASE_TEMPLATE("Catalog: a removed model's number is given to no other", Implementation, Sqlite) {
+    Implementation place;
+    const auto catalog = place.make();
+    const std::string a = add(*catalog);
+    const std::uint64_t number = catalog->find(a)->number;
+    catalog->remove(a);
+    CHECK(catalog->find(add(*catalog))->number > number);
 }
 
 TEST_CASE_TEMPLATE("Catalog: a removed model is forgotten in every state", Implementation, Sqlite) {

@@ -78,12 +78,16 @@ class Test:
             self.findings.expect(status in (202, 503, 507), f"{kind}: an upload was answered with {status}")
             if kind == "full disk":
                 self.findings.expect(status == 507, f"{kind}: expected 507, got {status}")
+                ready, _, _ = self.server.request("GET", "/readyz")
+                self.findings.expect(ready == 503, f"{kind}: readyz says {ready}")
             if kind == "short writes":
                 self.findings.expect(status == 202, f"{kind}: expected 202, got {status}")
             if model:
                 acknowledged.append(model)
             self.look_around(kind)
         self.disk.set(0, 0)
+        ready, _, _ = self.server.request("GET", "/readyz")
+        self.findings.expect(ready == 200, f"{kind} is over and readyz says {ready}")
         for model in acknowledged:
             capture = self.server.data / "models" / model / "capture.zip"
             self.findings.expect(capture.read_bytes() == self.body, f"{kind}: an acknowledged capture is not what was sent")

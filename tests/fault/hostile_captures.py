@@ -6,7 +6,8 @@ Most are refused before a job begins, by a process that looks through them; what
 Bombs: zips that unpack to gigabytes, hold too many files or lie about sizes; images that claim or unpack to more pixels
 than a capture may have. Mutants: images inside a capture and whole zips, by zzuf. Times are from the upload to the
 refusal, as a clock tells them and as processors do: a refusal that takes more than a second of the server's and its
-processes' processor time is a fault. The clock's seconds are those of a machine that does other things too.
+processes' processor time is a fault. The clock's seconds are those of a machine that does other things too: on one that does
+nothing else, --times 50 --bombs 50 gives them for the bombs alone.
 """
 import io
 import json
@@ -106,7 +107,13 @@ def mutant(files, random, seed, folder):
 
 
 def main():
+    n_bombs = None
+    if "--bombs" in sys.argv:  # else a hundredth of all, 10 at least
+        at = sys.argv.index("--bombs")
+        n_bombs = int(sys.argv[at + 1])
+        del sys.argv[at:at + 2]
     given = support.arguments(__doc__, times=60)
+    n_bombs = max(10, given.times // 100) if n_bombs is None else n_bombs
     findings = support.Findings("hostile_captures", given)
     if not shutil.which("zzuf"):
         print("zzuf is missing", file=sys.stderr)
@@ -119,7 +126,7 @@ def main():
         files = {str(f.relative_to(capture)): f.read_bytes() for f in sorted(capture.rglob("*"))
                  if f.suffix in (".png", ".json")}
         server = harness.Server(root / "data", "--workers", "2")
-        times, n_harmless, sentences = [], 0, set()  # times: pairs of clock and processor
+        times, n_harmless, sentences = [], 0, set()  # times: of clock and processor, and of what
         n_at_once = 0
 
         def judge(kind, body, must_be_refused):
@@ -128,7 +135,7 @@ def main():
 
             def refused(sentence):
                 took = support.processor_seconds(server.process.pid) - used
-                times.append((time.monotonic() - begun, took))
+                times.append((time.monotonic() - begun, took, kind))
                 sentences.add(sentence.split(":")[-1][:40])
                 findings.expect(len(sentence) > 10 and "ended the process" not in sentence, f"{kind}: {sentence or 'no sentence'}")
                 findings.expect(took <= 1, f"{kind}: refused after {took:.2f} s of processor time: {sentence}")
@@ -156,7 +163,6 @@ def main():
 
         judge("warm-up", packed(files), False)
         memory_before = support.rss_bytes(server.process.pid)
-        n_bombs = max(10, given.times // 100)
         memory_most = memory_before
         for kind, body in bombs(files, given.random, n_bombs):
             judge(kind, body, kind not in ("PNG with a text of gigabytes", "PNG with a profile of gigabytes",
@@ -173,11 +179,12 @@ def main():
         findings.expect(server.request("GET", "/healthz")[0] == 200, "the server is not well afterwards")
         findings.expect(server.stop() == 0, "the server did not end well")
 
-        def seconds(pairs, which):
-            ordered = sorted(pair[which] for pair in pairs) or [0]
+        def seconds(refusals, which):
+            ordered = sorted(refusal[which] for refusal in refusals) or [0]
             return {"median": round(ordered[len(ordered) // 2], 3), "p99": round(ordered[int(0.99 * (len(ordered) - 1))], 3),
                     "most": round(ordered[-1], 3), "over_1": sum(value > 1 for value in ordered)}
-        findings.finish(bombs=n_bombs, mutants=n_mutants, harmless=n_harmless, refused_at_once=n_at_once,
+        slowest = [{"kind": kind, "seconds": round(clock, 2)} for clock, _, kind in sorted(bomb_times, reverse=True)[:5]]
+        findings.finish(slowest_bombs=slowest, bombs=n_bombs, mutants=n_mutants, harmless=n_harmless, refused_at_once=n_at_once,
                         kinds_of_sentences=len(sentences), seconds_to_refuse_bombs=seconds(bomb_times, 0),
                         seconds_to_refuse_mutants=seconds(times, 0), processor_seconds_bombs=seconds(bomb_times, 1),
                         processor_seconds_mutants=seconds(times, 1),

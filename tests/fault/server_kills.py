@@ -76,23 +76,24 @@ def main():
             n_up += 1
             check_acknowledged(server, findings, uploader, body)
             for pid in workers:
-                deadline = time.monotonic() + 10
+                deadline = time.monotonic() + harness.PATIENCE
                 while support.Path(f"/proc/{pid}").exists() and time.monotonic() < deadline:
                     time.sleep(0.01)
                 findings.expect(not support.Path(f"/proc/{pid}").exists(), "a worker outlived its server")
         uploader.is_over = True
         uploader.join()
         check_acknowledged(server, findings, uploader, body)
-        deadline = time.monotonic() + 120 + 10 * len(uploader.acknowledged)
-        states = {}
+        deadline = time.monotonic() + harness.PATIENCE + 10 * len(uploader.acknowledged)
+        states, errors = {}, {}
         while time.monotonic() < deadline:
             models = json.loads(server.request("GET", "/v1/models?limit=1000")[2])["models"]
             states = {model["id"]: model["state"] for model in models}
+            errors = {model["id"]: model.get("error", "") for model in models}
             if all(state not in ("queued", "running") for state in states.values()):
                 break
             time.sleep(0.5)
         for model, state in states.items():
-            findings.expect(state == "done", f"model {model} is {state}")
+            findings.expect(state == "done", f"model {model} is {state}: {errors[model]}")
         for model in uploader.acknowledged:
             log = server.sealed(model)
             if states.get(model) == "done":

@@ -14,19 +14,24 @@ import support
 
 
 class Client(threading.Thread):
-    def __init__(self, harness, server, models, archive, seed, end):
+    def __init__(self, harness, server, models, archive, seed, end, stalls):
         super().__init__(daemon=True)  # a test that fails must end
         self.harness, self.server, self.models, self.archive = harness, server, models, archive
-        self.random, self.end = random.Random(seed), end
-        self.n_requests, self.errors = 0, []
+        self.random, self.end, self.stalls = random.Random(seed), end, stalls
+        self.n_requests = self.n_stalled = 0
+        self.errors = []
 
     def run(self):
         while time.monotonic() < self.end:
+            begun = time.monotonic()
             try:
                 self.one()
                 self.n_requests += 1
             except (OSError, http.client.HTTPException, AssertionError) as error:
-                self.errors.append(repr(error))
+                if self.stalls.since(begun):
+                    self.n_stalled += 1
+                else:
+                    self.errors.append(repr(error))
 
     def one(self):
         model = self.random.choice(self.models)
@@ -80,7 +85,8 @@ def main():
         for model in models:
             server.wait_until_final(model)
         begun = time.monotonic()
-        clients = [Client(harness, server, models, archive, given.seed + i, begun + given.seconds) for i in range(4)]
+        stalls = support.Stalls()
+        clients = [Client(harness, server, models, archive, given.seed + i, begun + given.seconds, stalls) for i in range(4)]
         for client in clients:
             client.start()
         samples, descriptors = [], []
@@ -104,6 +110,7 @@ def main():
         findings.expect(idle <= min(descriptors) + 4, f"{idle} descriptors are open when nobody is there")
         findings.expect(server.stop() == 0, "the server did not end well")
         findings.finish(seconds=given.seconds, requests=sum(client.n_requests for client in clients),
+                        cut_by_stalls=sum(client.n_stalled for client in clients), stalls=len(stalls.ends),
                         memory_mb=[round(samples[0][1] / (1 << 20), 1), round(samples[-1][1] / (1 << 20), 1)],
                         slope_mb_an_hour=round(mb_an_hour, 2), descriptors=[min(descriptors), max(descriptors), idle])
 

@@ -12,13 +12,15 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def arguments(description, times=None, seconds=None):
+def arguments(description, times=None, seconds=None, vertices=None):
     """The parsed command line; the harness learns of the binary."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("anyrate", type=Path)
@@ -26,6 +28,9 @@ def arguments(description, times=None, seconds=None):
         parser.add_argument("--times", type=int, default=times, help="how often the fault happens (short form: %(default)s)")
     if seconds is not None:
         parser.add_argument("--seconds", type=float, default=seconds, help="how long it runs (short form: %(default)s)")
+    if vertices is not None:
+        parser.add_argument("--vertices", type=int, default=vertices,
+                            help="of each model: fewer for a machine that is busy (%(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     given.anyrate = given.anyrate.resolve()
@@ -62,6 +67,32 @@ def rounds(n):
         if told:
             return
         yield i
+
+
+class Stalls(threading.Thread):
+    """Notices when this process did not run for a while, because the machine slept or somebody stopped its processes: what
+    was in the air meanwhile is cut by the server's limits with good reason."""
+
+    LEAST = 5.0  # seconds: a busy machine's scheduler makes nobody wait so long
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.ends = []  # of each stall, on the monotonic clock
+        self.start()
+
+    def run(self):
+        last = time.monotonic()
+        while True:
+            time.sleep(0.1)
+            now = time.monotonic()
+            if now - last > self.LEAST:
+                self.ends.append(now)
+            last = now
+
+    def since(self, begun):
+        """Whether one ended after `begun`; waits a moment, for the thread to notice one that has just ended."""
+        time.sleep(0.3)
+        return any(end > begun for end in self.ends)
 
 
 def temporary_folder():

@@ -10,17 +10,18 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import support
 
 MODEL = "a" * 26
 HEADER = 96  # bytes of a live log before its base
-OPTIONS = ["--vertices", "3000", "--coarse", "600"]
 
 
-def worker(anyrate, data, epoch):
-    return subprocess.Popen([anyrate, "worker", "--data", data, "--model", MODEL, "--epoch", str(epoch), *OPTIONS],
+def worker(given, data, epoch):
+    return subprocess.Popen([given.anyrate, "worker", "--data", data, "--model", MODEL, "--epoch", str(epoch), "--vertices",
+                             str(given.vertices), "--coarse", "600"],
                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 
 
@@ -53,14 +54,14 @@ def kill(process):
 
 
 def main():
-    given = support.arguments(__doc__, times=12)
+    given = support.arguments(__doc__, times=12, vertices=3000)
     findings = support.Findings("worker_kills", given)
     with support.temporary_folder() as name:
         root = support.Path(name)
         _, archive = support.make_capture(given.anyrate, root)
         calm = prepare(root / "calm", archive)
         begun = time.monotonic()
-        undisturbed = worker(given.anyrate, root / "calm", 1)
+        undisturbed = worker(given, root / "calm", 1)
         messages(undisturbed)
         findings.expect(undisturbed.wait() == 0, "the undisturbed worker failed")
         whole_time = time.monotonic() - begun
@@ -75,7 +76,7 @@ def main():
             while True:
                 epoch += 1
                 mark = (folder / "log.live.mark").exists()
-                process = worker(given.anyrate, data, epoch)
+                process = worker(given, data, epoch)
                 for old in frozen:  # it was overtaken: whatever it tries now must change nothing
                     old.send_signal(signal.SIGCONT)
                 try:
@@ -109,6 +110,8 @@ def main():
                     seen_rows = rows
                 if process.returncode == 0:
                     break
+                if n_kills % 20 == 0 and n_kills:
+                    print(f"{n_kills} of {given.times}", file=sys.stderr, flush=True)
                 if epoch > 400:
                     findings.expect(False, f"job {n_jobs} does not end")
                     break
@@ -119,7 +122,7 @@ def main():
             findings.expect((folder / "model.arl").read_bytes() == sealed, f"job {n_jobs}: the model is another")
             findings.expect((folder / "log.live").read_bytes() == live, f"job {n_jobs}: the live log is another")
             shutil.rmtree(data)
-    findings.finish(kills=n_kills, overtaken=n_overtaken, jobs=n_jobs, resumed=n_resumed,
+    findings.finish(kills=n_kills, vertices=given.vertices, overtaken=n_overtaken, jobs=n_jobs, resumed=n_resumed,
                     undisturbed_seconds=round(whole_time, 2), model_bytes=len(sealed))
 
 

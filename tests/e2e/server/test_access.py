@@ -2,6 +2,7 @@
 
 import http.client
 import json
+import os
 import ssl
 import subprocess
 import tempfile
@@ -33,7 +34,8 @@ class Access(ServerTest):
         writer, reader = self.token("me"), self.token("you", "--scope", "read")
         self.wait_for_status("POST", "/v1/captures", 401)
         self.assertEqual(self.status("POST", "/v1/captures", self.bearer(writer)), 201)
-        self.assertEqual(self.status("POST", "/v1/captures", self.bearer(reader)), 403)
+        status, _, answer = self.server.request("POST", "/v1/captures", headers=self.bearer(reader))
+        self.assertEqual((status, json.loads(answer)["title"]), (403, "Forbidden"))
         self.assertEqual(self.status("POST", "/v1/captures", self.bearer(writer[:-1])), 401)
         self.assertEqual(self.status("POST", f"/v1/captures?token={writer}"), 401)  # in a header only
         self.assertEqual(self.status("GET", "/v1/models"), 200)
@@ -146,10 +148,12 @@ class Access(ServerTest):
 
     def test_options_come_from_file_environment_and_flags(self):
         config = self.folder / "anyrate.conf"
-        config.write_text('log-format="json"\nlog-requests="all"\nmax-connections=50\n')
+        config.write_text('log-format="json"\nlog-requests="none"\nkeep-days=7\nlisten="nowhere"\n')
+        environment = {**os.environ, "ANYRATE_CONFIG": str(config), "ANYRATE_LISTEN": "nowhere either",
+                       "ANYRATE_LOG_REQUESTS": "all", "ANYRATE_KEEP_DAYS": "1", "ANYRATE_KEEP_MB": "1000"}
         with tempfile.TemporaryFile("w+") as log:
-            process = subprocess.Popen([ANYRATE, "serve", "--listen", "127.0.0.1:0", "--config", config, "--data",
-                                        self.folder / "configured"], stdout=subprocess.PIPE, stderr=log, text=True)
+            process = subprocess.Popen([ANYRATE, "serve", "--listen", "127.0.0.1:0", "--data", self.folder / "configured"],
+                                       stdout=subprocess.PIPE, stderr=log, text=True, env=environment)
             port = int(process.stdout.readline().rsplit(":", 1)[1])
             connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
             connection.request("GET", "/healthz", headers={"X-Request-Id": "seen"})

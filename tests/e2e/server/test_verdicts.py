@@ -8,11 +8,11 @@ import unittest
 from harness import ServerTest, grey_png, run
 
 
-def form_of(files):
+def form_of(files, boundary="limit"):
     """A multipart/form-data body. @return (body, its Content-Type)"""
-    body = b"".join(b'--limit\r\nContent-Disposition: form-data; name="file"; filename="%s"\r\n\r\n%s\r\n' % (name.encode(), data)
-                    for name, data in files.items())
-    return body + b"--limit--\r\n", {"Content-Type": "multipart/form-data; boundary=limit"}
+    body = b"".join(b'--%s\r\nContent-Disposition: form-data; name="file"; filename="%s"\r\n\r\n%s\r\n'
+                    % (boundary.encode(), name.encode(), data) for name, data in files.items())
+    return body + b"--%s--\r\n" % boundary.encode(), {"Content-Type": f"multipart/form-data; boundary={boundary}"}
 
 
 class Captures(ServerTest):
@@ -68,6 +68,17 @@ class Captures(ServerTest):
         self.assertEqual(list(self.faults(body, headers)), ["images/001.png"])
         body, headers = form_of({"capture.zip": self.changed_zip(images__001=b"no image")})
         self.assertEqual(list(self.faults(body, headers)), ["images/001.png"])
+
+    def test_a_form_that_is_sent_again_with_its_key_makes_no_second_model(self):
+        ids = set()
+        for boundary in ("first", "another"):  # clients make one up each time
+            body, headers = form_of(self.files(), boundary)
+            status, _, answer = self.post("?vertices=500", body, {**headers, "Idempotency-Key": "a form of mine"})
+            self.assertEqual(status, 202, answer)
+            ids.add(json.loads(answer)["id"])
+        self.assertEqual((len(ids), self.n_models()), (1, 1))
+        body, headers = form_of({**self.files(), "images/001.png": self.files()["images/002.png"]})
+        self.assertEqual(self.post("?vertices=500", body, {**headers, "Idempotency-Key": "a form of mine"})[0], 422)
 
     def test_files_that_come_one_by_one_have_their_verdict_at_once(self):
         place = "/v1/captures/" + json.loads(self.server.request("POST", "/v1/captures")[2])["id"]

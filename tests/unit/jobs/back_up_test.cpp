@@ -120,7 +120,7 @@ TEST_CASE("Backup: whatever is written, finished and deleted meanwhile, what the
         back_up(f.data, copy);
         const ModelStore store(copy);
         SqliteCatalog catalog(store.catalog_file());
-        const ModelPage page = catalog.list(1000, "");
+        const ModelPage page = catalog.list(1000, Catalog::from_newest);
         CHECK(page.models.size() >= 10);
         for (const ModelRecord& model : page.models) {
             CHECK(as_text(read_file(store.paths(model.id).capture)) == "PK capture");

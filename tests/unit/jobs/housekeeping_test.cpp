@@ -87,7 +87,7 @@ TEST_CASE("Clearing: by size the oldest final models go until the rest fits") {
     CHECK_FALSE(f.catalog.find(second));
     CHECK(f.catalog.find(third));
     f.clear_by({.age = {}, .bytes = 0}, at(10h));
-    CHECK(f.catalog.list(10, "").models.size() == 1);  // the queued one, however large
+    CHECK(f.catalog.list(10, Catalog::from_newest).models.size() == 1);  // the queued one, however large
 }
 
 TEST_CASE("Clearing: leftovers of a crash go once they are old") {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/capture/image_io.h"
 #include "core/error.h"
@@ -13,6 +14,7 @@
 #include "server/jobs/thumbnails.h"
 #include "server/store/directory_log_store.h"
 #include "server/store/model_id.h"
+#include "server/store/sha256.h"
 #include "server/store/sqlite_catalog.h"
 #include "server/store/zip_writer.h"
 #include "tests/unit/server/small_model.h"
@@ -45,10 +47,12 @@ struct Fixture {
         return answer(router,
                       {.method = "GET", .path = path, .query = std::move(query), .headers = std::move(headers)});
     }
-    Response post(const std::string& body, std::map<std::string, std::string> query = {}, std::string key = "") {
+    Response post(const std::string& body, std::map<std::string, std::string> query = {}, std::string key = "",
+                  const Headers& headers = {}) {
         const auto file = store.upload_file("upload");
         replace_file(file, as_bytes(body));
         Request request{.method = "POST", .path = "/v1/models", .query = std::move(query)};
+        request.headers = headers;
         request.headers.add("content-type", "application/zip; x=y");
         if (!key.empty()) request.headers.add("Idempotency-Key", key);
         request.upload = Upload{file, body.size()};
@@ -92,7 +96,7 @@ TEST_CASE("POST: what is no zip or has bad options makes no model") {
     CHECK(f.post("PK\x03\x04", {{"vertices", "many"}}).status == 400);
     CHECK(f.post("PK\x03\x04", {{"vertices", "500"}, {"coarse", "501"}}).status == 400);
     CHECK(f.post("PK\x03\x04", {{"sides", "5"}}).status == 400);
-    CHECK(f.catalog.list(10, "").models.empty());
+    CHECK(f.catalog.list(10, Catalog::from_newest).models.empty());
     CHECK(f.n_queued == 0);
 }
 
@@ -101,7 +105,47 @@ TEST_CASE("POST: one Idempotency-Key makes one model, and belongs to one request
     const auto first = f.text(f.post("PK\x03\x04", {}, "key"));
     CHECK(f.text(f.post("PK\x03\x04", {}, "key")) == first);
     CHECK(f.post("PK\x03\x04 other", {}, "key").status == 422);
-    CHECK(f.catalog.list(10, "").models.size() == 1);
+    CHECK(f.post("PK\x03\x04", {{"vertices", "500"}}, "key").status == 422);
+    CHECK(f.catalog.list(10, Catalog::from_newest).models.size() == 1);
+}
+
+TEST_CASE("POST: a key that comes back with another capture of the same length is refused") {
+    Fixture f;
+    CHECK(f.post("PK\x03\x04 one", {}, "key").status == 202);
+    CHECK(f.post("PK\x03\x04 two", {}, "key").status == 422);
+    CHECK(f.post("PK\x03\x04 one", {}, "key").status == 202);
+}
+
+TEST_CASE("POST: a body that has not the digest which the request says makes no model") {
+    Fixture f;
+    const std::string body = "PK\x03\x04 as it was";
+    const std::string digest = "sha-256=:" + to_base64(sha256(as_bytes(body))) + ":";
+    CHECK(f.post(body, {}, "", {{"Content-Digest", digest}}).status == 202);
+    CHECK(f.post("PK\x03\x04 as it is!", {}, "", {{"Content-Digest", digest}}).status == 422);
+    CHECK(f.post(body, {}, "", {{"Content-Digest", "sha-256=:no:"}}).status == 400);
+    CHECK(f.catalog.list(10, Catalog::from_newest).models.size() == 1);
+}
+
+TEST_CASE("List: pages go on where they ended, also when models go meanwhile") {
+    Fixture f;
+    std::vector<std::string> ids;
+    for (int i = 0; i < 3; ++i) ids.push_back(nlohmann::json::parse(f.text(f.post("PK\x03\x04")))["id"]);
+    const auto page = [&](const std::string& after) {
+        std::map<std::string, std::string> query{{"limit", "1"}};
+        if (!after.empty()) query["after"] = after;
+        const Response response = f.get("/v1/models", query);
+        return response.status == 200 ? nlohmann::json::parse(f.text(response)) : nlohmann::json(response.status);
+    };
+    const auto first = page("");
+    CHECK(first["models"][0]["id"] == ids[2]);
+    const std::string next = first["next"];
+    const std::string cursor = next.substr(next.rfind('=') + 1);
+    CHECK(page(ids[2]) == page(cursor));
+    CHECK(answer(f.router, {.method = "DELETE", .path = "/v1/models/" + ids[2]}).status == 204);
+    CHECK(page(cursor)["models"][0]["id"] == ids[1]);
+    CHECK(page(ids[2]) == 404);
+    CHECK(page("99999999999999999999") == 400);
+    CHECK(page("-1") == 400);
 }
 
 TEST_CASE("Log: a budget gets a prefix that decodes to 0 to 2 vertices below it") {
@@ -232,6 +276,17 @@ TEST_CASE("Readiness: a full disk is told, and takes no upload") {
     CHECK(f.get("/healthz").status == 200);
     CHECK(f.get("/readyz").status == 503);
     CHECK(f.post("PK\x03\x04").status == 507);
+}
+
+TEST_CASE("Readiness: a data directory in which nothing can be written is told") {
+    Fixture f;
+    std::filesystem::remove_all(f.folder.path() / "uploads");
+    const Response told = f.get("/readyz");
+    CHECK(told.status == 503);
+    CHECK(f.text(told).find(f.folder.path().string()) == std::string::npos);
+    std::filesystem::create_directory(f.folder.path() / "uploads");
+    CHECK(f.get("/readyz").status == 200);
+    CHECK(std::filesystem::is_empty(f.folder.path() / "uploads"));
 }
 
 TEST_CASE("Readiness: a catalog whose file is gone or is none any more is told") {
