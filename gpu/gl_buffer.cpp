@@ -50,6 +50,10 @@ void GlBuffer::clear(std::size_t n_bytes) {
 
 void GlBuffer::bind(std::uint32_t index) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, id_); }
 
+void GlBuffer::bind_uniform(std::uint32_t index) const { glBindBufferBase(GL_UNIFORM_BUFFER, index, id_); }
+
+void GlBuffer::bind_counts() const { glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, id_); }
+
 void GlBuffer::copy_in(std::span<const std::byte> data) {
     if (data.empty()) return;
     glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size()), data.data());
