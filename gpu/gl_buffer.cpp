@@ -65,7 +65,7 @@ void GlBuffer::copy_out(std::span<std::byte> data) const {
     if (data.empty()) return;
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size()), data.data());
-    check_gl("glGetNamedBufferSubData");
+    check_gl_and_reset("glGetNamedBufferSubData");
 }
 
 }  // namespace anyrate

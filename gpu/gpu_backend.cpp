@@ -35,7 +35,8 @@ public:
         try {
             context_->make_current();
         } catch (const DeviceError&) {
-            // Then the context takes what it owns with it.
+            // Then the context takes what it owns with it, and none of its names may be deleted in another's.
+            EglContext::make_none_current();
         }
     }
 
@@ -98,7 +99,7 @@ public:
     void finish() override {
         context_->make_current();
         glFinish();
-        check_gl("glFinish");
+        check_gl_and_reset("glFinish");
     }
 
 private:
