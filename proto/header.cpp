@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> magic = {0x89, 'A', 'R', 'L', 0x0D, 0x0A, 0x1A, 0x0A};
 constexpr std::uint16_t this_major = 1, this_minor = 0;
-constexpr std::uint8_t rule_id = 1;  // predictor, flips, smoothing and updates have one rule each so far
+constexpr std::uint8_t rule_id = 1;  // predictor and updates have one rule each so far
 constexpr std::size_t max_header_size = 4096;
 constexpr std::size_t size_known = 16;  // bytes, the last four of which tell the header's own
 constexpr std::size_t flags_offset = 72, crc_offset = 92;
@@ -66,7 +66,10 @@ std::vector<std::byte> encode_header(const Header& header) {
     out.put(header.grid.unit);
     out.put(static_cast<std::uint8_t>(header.grid.bits));
     out.put(static_cast<std::uint8_t>(header.grid.base_shift));
-    for (int rule = 0; rule < 4; ++rule) out.put(rule_id);
+    out.put(rule_id);
+    out.put(static_cast<std::uint8_t>(header.rules.flip_rule));
+    out.put(static_cast<std::uint8_t>(header.rules.ring_smoothing));
+    out.put(rule_id);
     out.put(static_cast<std::uint16_t>(header.rules.step_ratio));
     out.put(header.n_base_vertices);
     out.put(header.n_base_faces);
@@ -108,10 +111,16 @@ Header decode_header(std::span<const std::byte> bytes) {
     header.grid.unit = in.take<double>();
     header.grid.bits = in.take<std::uint8_t>();
     header.grid.base_shift = in.take<std::uint8_t>();
-    for (const char* rule : {"predictor", "flip rule", "smoothing", "update mode"}) {
+    const auto take_rule = [&in](const std::string& rule, std::uint8_t last_known) {
         const auto id = in.take<std::uint8_t>();
-        require(id == rule_id, std::string(rule) + " 1, got " + std::to_string(id));
-    }
+        const std::string known = last_known == 1 ? " 1" : " 1 to " + std::to_string(last_known);
+        require(id >= 1 && id <= last_known, rule + known + ", got " + std::to_string(id));
+        return id;
+    };
+    take_rule("predictor", rule_id);
+    header.rules.flip_rule = FlipRule{take_rule("flip rule", 2)};
+    header.rules.ring_smoothing = RingSmoothing{take_rule("smoothing", 2)};
+    take_rule("update mode", rule_id);
     header.rules.step_ratio = in.take<std::uint16_t>();
     header.n_base_vertices = in.take<std::uint32_t>();
     header.n_base_faces = in.take<std::uint32_t>();

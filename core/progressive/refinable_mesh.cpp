@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/progressive/edge_flip.h"
 #include "core/progressive/step_rule.h"
 
 namespace anyrate {
@@ -14,7 +15,8 @@ namespace {
 
 constexpr std::uint32_t flip_mark = 0x80000000u;
 constexpr double new_vertex_smoothing = 0.5;
-constexpr double ring_vertex_smoothing = 0.25;
+
+double weight_of(RingSmoothing smoothing) { return smoothing == RingSmoothing::quarter ? 0.25 : 0.125; }
 
 /// Unit vector along a ring's summed face normals; a ring without area has none, so it gets a fixed one.
 LatticeVector unit_normal(const LatticeVector& sum) {
@@ -133,8 +135,9 @@ void RefinableMesh::refine(std::int32_t face, const std::array<std::int32_t, 6>&
         for (std::int32_t i = 0; i < 3; ++i) move(i, V + i, new_normal);
 
         const auto ring_normal = [this](std::int32_t v) { return ring(v).normal; };
+        const double ring_weight = weight_of(rules_.ring_smoothing);
         for (int i = 0; i < 6; ++i) {  // 6
-            smooth(site[static_cast<std::size_t>(i)], ring_vertex_smoothing);
+            smooth(site[static_cast<std::size_t>(i)], ring_weight);
             move(3 + i, site[static_cast<std::size_t>(i)], ring_normal);
         }
     } catch (...) {
@@ -166,7 +169,7 @@ void RefinableMesh::flip_around(std::int32_t vertex) {
     std::int32_t spoke = first;
     do {
         const std::int32_t link = HalfedgeConnectivity::next(spoke);
-        if (wants_flip(link)) {
+        if (flips(link)) {
             connectivity_.flip(link);
             hash_.mix(flip_mark + static_cast<std::uint32_t>(link));
         }
@@ -174,20 +177,13 @@ void RefinableMesh::flip_around(std::int32_t vertex) {
     } while (spoke != first);
 }
 
-bool RefinableMesh::wants_flip(std::int32_t halfedge) const {
+bool RefinableMesh::flips(std::int32_t halfedge) const {
     const std::int32_t opposite = twin(halfedge);
-    const LatticeVector p = at(connectivity_.origin(halfedge)), q = at(connectivity_.origin(opposite));
-    const LatticeVector m = at(connectivity_.origin(HalfedgeConnectivity::prev(halfedge)));
-    const LatticeVector s = at(connectivity_.origin(HalfedgeConnectivity::prev(opposite)));
-
-    const double dot_m = dot(p - m, q - m), dot_s = dot(p - s, q - s);
-    if (dot_m >= 0 && dot_s >= 0) return false;  // no angle above 90 degrees: the sum below cannot be negative
-    const double sine_m = length(cross(p - m, q - m)), sine_s = length(cross(p - s, q - s));
-    if (!(dot_m * sine_s + dot_s * sine_m < 0)) return false;
-
-    const LatticeVector old_normals = cross(q - p, m - p) + cross(p - q, s - q);
-    return dot(cross(p - m, s - m), old_normals) > 0 && dot(cross(q - s, m - s), old_normals) > 0 &&
-           connectivity_.can_flip(halfedge);
+    const EdgeQuad quad = {.p = at(connectivity_.origin(halfedge)),
+                           .q = at(connectivity_.origin(opposite)),
+                           .m = at(connectivity_.origin(HalfedgeConnectivity::prev(halfedge))),
+                           .s = at(connectivity_.origin(HalfedgeConnectivity::prev(opposite)))};
+    return wants_flip(quad, rules_.flip_rule) && connectivity_.can_flip(halfedge);
 }
 
 RefinableMesh::Ring RefinableMesh::ring(std::int32_t vertex) const {

@@ -11,6 +11,7 @@
 #include "core/progressive/grid.h"
 #include "core/progressive/halfedge_connectivity.h"
 #include "core/progressive/lattice_arithmetic.h"
+#include "core/progressive/refinement_rules.h"
 #include "core/progressive/state_hash.h"
 
 namespace anyrate {
@@ -27,12 +28,6 @@ struct SplitRecord {
     std::array<std::int32_t, 3> residual{};  ///< new vertices on edges c0c1, c1c2, c2c0, in steps
     std::array<std::int32_t, 6> update{};    ///< corners c0 c1 c2, apexes a0 a1 a2, in steps
     friend bool operator==(const SplitRecord&, const SplitRecord&) = default;
-};
-
-/// The rules a header fixes for a whole log.
-struct RefinementRules {
-    int step_ratio = 80;  ///< a step is the power of two of grid units nearest to edge / step_ratio
-    friend bool operator==(const RefinementRules&, const RefinementRules&) = default;
 };
 
 /// Where the operation stands when it needs the scalar of one vertex.
@@ -86,7 +81,7 @@ private:
     void refine(std::int32_t face, const std::array<std::int32_t, 6>& site, ChooseScalar&& choose);
     void predict(std::int32_t face);
     void flip_around(std::int32_t vertex);
-    bool wants_flip(std::int32_t halfedge) const;
+    bool flips(std::int32_t halfedge) const;
     Ring ring(std::int32_t vertex) const;
     void smooth(std::int32_t vertex, double weight);
     GridPoint moved(std::int32_t vertex, std::int32_t scalar, std::int32_t step, const LatticeVector& normal) const;

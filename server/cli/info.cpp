@@ -66,6 +66,8 @@ Json layout_json(const LogLayout& layout, std::size_t n_bytes) {
             {"grid_bits", header.grid.bits},
             {"grid_unit", header.grid.unit},
             {"step_ratio", header.rules.step_ratio},
+            {"flip_rule", static_cast<int>(header.rules.flip_rule)},
+            {"smoothing", static_cast<int>(header.rules.ring_smoothing)},
             {"base_vertices", header.n_base_vertices},
             {"base_faces", header.n_base_faces},
             {"frames", frames_json(layout)}};

@@ -61,7 +61,7 @@ const nSplits = packets.reduce((sum, frame) => sum + frame.nSplits, 0);
 const nVertices = layout.frames.at(-1).nVerticesAfter;
 
 function prepareReplay() {
-    const mesh = new RefinableMesh(base, layout.header.grid.bits, layout.header.stepRatio);
+    const mesh = new RefinableMesh(base, layout.header.grid.bits, layout.header.rules);
     return () => {
         for (const packet of records) {
             for (let i = 0; i < packet.faces.length; ++i) mesh.apply(packet, i);

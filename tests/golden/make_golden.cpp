@@ -4,6 +4,7 @@
 //   icosphere-packed.arl  the same refinements in packets of up to 128 splits
 //   icosphere.json        for a list of vertex budgets: vertices, faces, state hash and the CRC-32C of positions,
 //                         triangles and colours that every reader must find in both
+//   cube.arl, cube.json   the same of a cube that is rounded off, by flip rule 2 and smoothing 2, packed
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -23,6 +24,8 @@ void write_file(const std::string& path, std::span<const std::byte> bytes) {
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     if (!file.flush()) throw IoError(path + ": cannot be written");
 }
+
+void write_file(const std::string& path, const std::string& text) { write_file(path, std::as_bytes(std::span(text))); }
 
 /// One row of the JSON list.
 std::string expectation(std::span<const std::byte> log, std::uint32_t budget) {
@@ -51,6 +54,13 @@ std::string expectation(std::span<const std::byte> log, std::uint32_t budget) {
            "}";
 }
 
+/// The JSON list.
+std::string expectations(std::span<const std::byte> log, std::initializer_list<std::uint32_t> budgets) {
+    std::string json;
+    for (const std::uint32_t budget : budgets) json += (json.empty() ? "[\n" : ",\n") + expectation(log, budget);
+    return json + "\n]\n";
+}
+
 void make_golden(const std::string& folder) {
     write_file(folder + "/octahedron.arl", samples::octahedron_log().live);
 
@@ -58,13 +68,13 @@ void make_golden(const std::string& folder) {
     const std::vector<std::byte> sealed = seal_log(sample.live, sample.rows, {.splits_per_packet = 0});
     write_file(folder + "/icosphere.arl", sealed);
     write_file(folder + "/icosphere-packed.arl", seal_log(sample.live, sample.rows, largest_packets(128)));
-    std::string json;
-    for (const std::uint32_t budget :
-         {42u, 44u, 45u, 100u, 101u, 102u, 103u, 250u, 333u, 500u, 777u, 1000u, 1000000u}) {
-        json += (json.empty() ? "[\n" : ",\n") + expectation(sealed, budget);
-    }
-    json += "\n]\n";
-    write_file(folder + "/icosphere.json", std::as_bytes(std::span(json)));
+    write_file(folder + "/icosphere.json",
+               expectations(sealed, {42, 44, 45, 100, 101, 102, 103, 250, 333, 500, 777, 1000, 1000000}));
+
+    const samples::SampleLog cube = samples::cube_log();
+    const std::vector<std::byte> packed = seal_log(cube.live, cube.rows, largest_packets(128));
+    write_file(folder + "/cube.arl", packed);
+    write_file(folder + "/cube.json", expectations(packed, {98, 101, 102, 103, 158, 200, 333, 500, 700, 1000000}));
 }
 
 }  // namespace

@@ -94,8 +94,7 @@ SampleLog log_of_batches(const Grid& grid, const BaseMesh& base, const SampleOpt
     LogWriter writer(
         options.log_id, [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); },
         to_the_nearest);
-    const RefinementRules rules;
-    RefinableMesh mesh(writer.start(grid, rules, base), grid, rules);
+    RefinableMesh mesh(writer.start(grid, options.rules, base), grid, options.rules);
     std::vector<Rgb8> wished;
     if (options.colours) wished = textured(grid, mesh.positions());
     writer.base_attributes(wished, {100, 400});
@@ -210,17 +209,25 @@ SampleLog make_log(const Grid& grid, const BaseMesh& base, const SampleOptions& 
                           [&](const RefinableMesh& mesh) { return choose_faces(mesh, options.splits_per_batch); });
 }
 
+RefinementRules first_rules() { return {.flip_rule = FlipRule::delaunay, .ring_smoothing = RingSmoothing::quarter}; }
+
 SampleLog octahedron_log() {
     const Grid grid = unit_grid(10);
     // One batch of the first face and of the first other one that can be split behind it.
-    return log_of_batches(grid, octahedron(grid), {}, [](const RefinableMesh&) {
+    return log_of_batches(grid, octahedron(grid), {.rules = first_rules()}, [](const RefinableMesh&) {
         return std::vector<std::int32_t>{0, 6};
     });
 }
 
 SampleLog icosphere_log() {
     const Grid grid = unit_grid(12);
-    return make_log(grid, icosphere(grid, 1), {.n_batches = 24, .splits_per_batch = 20, .log_id = 42});
+    return make_log(grid, icosphere(grid, 1),
+                    {.n_batches = 24, .splits_per_batch = 20, .log_id = 42, .rules = first_rules()});
+}
+
+SampleLog cube_log() {
+    const Grid grid = unit_grid(12);
+    return make_log(grid, flat_cube(grid, 2), {.n_batches = 12, .splits_per_batch = 20, .log_id = 43});
 }
 
 }  // namespace anyrate::samples

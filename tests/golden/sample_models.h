@@ -26,6 +26,7 @@ struct SampleOptions {
     int splits_per_batch = 2;
     bool colours = true;
     std::uint64_t log_id = 0x0123456789ABCDEF;
+    RefinementRules rules = {};
 };
 
 /// A grid of `bits` bits in [-1, 1]^3, whose base positions stand on every 4th point.
@@ -45,8 +46,12 @@ SampleLog make_log(const Grid& grid, const BaseMesh& base, const SampleOptions& 
 /// The scalar that brings a vertex nearest to the bumpy sphere: what make_log() chooses.
 std::int32_t towards_bumpy_sphere(const Grid& grid, const ScalarSite& site);
 
-/// The two models of the golden files.
+/// The rules of the first logs: every value 1.
+RefinementRules first_rules();
+
+/// The models of the golden files: the first two with the first rules, the cube with those of today.
 SampleLog octahedron_log();
 SampleLog icosphere_log();
+SampleLog cube_log();
 
 }  // namespace anyrate::samples

@@ -3,7 +3,7 @@ import test from "node:test";
 
 import { decodeLog, FrameType, ModelDecoder, prefixFor, readLayout } from "../src/client/index.js";
 import { triplesOfFormat } from "./format-text.js";
-import { draco, found, icosphere, icosphereExpectations, icospherePacked, octahedron } from "./golden.js";
+import { cube, cubeExpectations, draco, found, icosphere, icosphereExpectations, icospherePacked, octahedron } from "./golden.js";
 
 test("Golden: every budget gives the mesh, the colours and the hash that C++ recorded", () => {
     assert.ok(icosphereExpectations.length > 10);
@@ -12,6 +12,15 @@ test("Golden: every budget gives the mesh, the colours and the hash that C++ rec
             const { mesh } = decodeLog(log, draco, { vertices: expected.budget });
             assert.deepEqual(found(expected.budget, mesh), expected);
         }
+    }
+});
+
+test("Golden: the rules of today, recorded on a cube, are those of C++", () => {
+    const { header } = readLayout(cube);
+    assert.deepEqual([header.rules.flipRule, header.rules.smoothing], [2, 2]);
+    for (const expected of cubeExpectations) {
+        const { mesh } = decodeLog(cube, draco, { vertices: expected.budget });
+        assert.deepEqual(found(expected.budget, mesh), expected);
     }
 });
 
@@ -40,7 +49,7 @@ test("Golden: the prefix that the index names is all that a vertex budget needs"
 });
 
 test("Golden: bytes that come one by one give the same mesh, and every frame's hash is passed on the way", () => {
-    for (const log of [octahedron, icosphere, icospherePacked]) {
+    for (const log of [octahedron, icosphere, icospherePacked, cube]) {
         const decoder = new ModelDecoder(draco);
         const frames = Array.from(log, (_, i) => decoder.feed(log.subarray(i, i + 1))).flat();
         assert.deepEqual(frames.map((frame) => frame.end), readLayout(log).frames.map((frame) => frame.end));
@@ -51,7 +60,7 @@ test("Golden: bytes that come one by one give the same mesh, and every frame's h
 });
 
 test("Golden: the state after every frame has the hash that the frame states", () => {
-    for (const log of [octahedron, icosphere, icospherePacked]) {
+    for (const log of [octahedron, icosphere, icospherePacked, cube]) {
         const decoder = new ModelDecoder(draco);
         let fed = 0;
         for (const frame of readLayout(log).frames) {

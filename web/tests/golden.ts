@@ -19,7 +19,10 @@ export const icosphere = readGolden("icosphere.arl");
 /** The same refinements in packets of several batches. */
 export const icospherePacked = readGolden("icosphere-packed.arl");
 
-/** What every reader must find at a vertex budget in both. */
+/** A cube that is rounded off, by flip rule 2 and smoothing 2. */
+export const cube = readGolden("cube.arl");
+
+/** What every reader must find at a vertex budget. */
 export interface Expectation {
     readonly budget: number;
     readonly vertices: number;
@@ -30,9 +33,9 @@ export interface Expectation {
     readonly coloursCrc: number;
 }
 
-export const icosphereExpectations = JSON.parse(
-    new TextDecoder().decode(readGolden("icosphere.json")),
-) as readonly Expectation[];
+/** Of the icosphere in both forms. */
+export const icosphereExpectations = readExpectations("icosphere.json");
+export const cubeExpectations = readExpectations("cube.json");
 
 /** The same of a mesh. */
 export function found(budget: number, mesh: ProgressiveMesh): Expectation {
@@ -68,6 +71,10 @@ export function concatenated(...parts: readonly Uint8Array[]): Uint8Array {
 
 function readGolden(name: string): Uint8Array {
     return new Uint8Array(readFileSync(new URL(`tests/golden/${name}`, repository)));
+}
+
+function readExpectations(name: string): readonly Expectation[] {
+    return JSON.parse(new TextDecoder().decode(readGolden(name))) as readonly Expectation[];
 }
 
 function crcOfWords(words: Int32Array | Uint32Array): number {

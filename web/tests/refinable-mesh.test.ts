@@ -7,18 +7,18 @@ import type { SplitRecords } from "../src/client/refinable-mesh.js";
 import { triplesOfFormat } from "./format-text.js";
 
 const gridBits = 10;
-const stepRatio = 80;
+const rules = { flipRule: 1, smoothing: 1, stepRatio: 80 };
 
 /** The base of FORMAT.md's worked example. */
 function octahedron(): RefinableMesh {
     const listed = triplesOfFormat("The base as decoded");
     const [positions, triangles] = [listed.slice(0, 6), listed.slice(6)].map((rows) => Int32Array.from(rows.flat()));
-    return new RefinableMesh({ positions, triangles }, gridBits, stepRatio);
+    return new RefinableMesh({ positions, triangles }, gridBits, rules);
 }
 
 function baseOf(nVertices: number, ...triangles: number[]): () => RefinableMesh {
     const base = { positions: new Int32Array(3 * nVertices), triangles: Int32Array.from(triangles) };
-    return () => new RefinableMesh(base, gridBits, stepRatio);
+    return () => new RefinableMesh(base, gridBits, rules);
 }
 
 function record(face: number, residuals: number[], updates: number[]): SplitRecords {

@@ -84,6 +84,14 @@ TEST_CASE("Golden: today's reader finds in the recorded logs what was recorded w
         check_expectations(read_bytes(name), expectations);
 }
 
+TEST_CASE("Golden: the rules of today, recorded on a cube, are those of tomorrow") {
+    const auto log = read_bytes("cube.arl");
+    const Header header = read_layout(log).header;
+    CHECK(header.rules.flip_rule == FlipRule::crease_preserving);
+    CHECK(header.rules.ring_smoothing == RingSmoothing::eighth);
+    check_expectations(log, nlohmann::json::parse(read_text("cube.json")));
+}
+
 TEST_CASE("Golden: the packed log has the refinements of the other in fewer frames") {
     CHECK(verify_log(read_bytes("icosphere.arl")) == 1 + 2 + 2 * 24 + 1);
     CHECK(verify_log(read_bytes("icosphere-packed.arl")) == 1 + 2 + 2 * 4 + 1);
@@ -94,6 +102,8 @@ TEST_CASE("Golden: today's writer writes the recorded bytes") {
     const auto sample = samples::icosphere_log();
     CHECK(seal_log(sample.live, sample.rows, {.splits_per_packet = 0}) == read_bytes("icosphere.arl"));
     CHECK(seal_log(sample.live, sample.rows, largest_packets(128)) == read_bytes("icosphere-packed.arl"));
+    const auto cube = samples::cube_log();
+    CHECK(seal_log(cube.live, cube.rows, largest_packets(128)) == read_bytes("cube.arl"));
 }
 
 TEST_CASE("Golden: the bytes listed in FORMAT.md are those of the file") {

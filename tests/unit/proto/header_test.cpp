@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "proto/bytes.h"
@@ -76,11 +77,26 @@ TEST_CASE("Header: fields out of their limits are rejected though the checksum i
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 55, 0x80)), DecodeError);  // negative unit
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 56, 21)), DecodeError);    // grid bits
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 57, 14)), DecodeError);    // base shift
-    for (const std::size_t rule : {58, 59, 60, 61})
-        CHECK_THROWS_AS(decode_header(with_byte(bytes, rule, 2)), DecodeError);
+    for (const auto& [rule, unknown] : {std::pair(58, 2), std::pair(59, 3), std::pair(60, 3), std::pair(61, 2)}) {
+        for (const int id : {0, unknown, 255}) {
+            const auto bad = with_byte(bytes, static_cast<std::size_t>(rule), static_cast<std::uint8_t>(id));
+            CHECK_THROWS_AS(decode_header(bad), DecodeError);
+        }
+    }
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 67, 2)), DecodeError);  // V0 beyond 2^24
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 68, 3)), DecodeError);  // F0 odd
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 76, 0)), DecodeError);  // luma step
+}
+
+TEST_CASE("Header: every known flip rule and smoothing is read as it was written") {
+    for (const FlipRule flips : {FlipRule::delaunay, FlipRule::crease_preserving}) {
+        for (const RingSmoothing smoothing : {RingSmoothing::quarter, RingSmoothing::eighth}) {
+            Header header = sample_header();
+            header.rules.flip_rule = flips;
+            header.rules.ring_smoothing = smoothing;
+            CHECK(decode_header(encode_header(header)).rules == header.rules);
+        }
+    }
 }
 
 TEST_CASE("Header: a tail of a later minor version is skipped, but its bytes are checked") {

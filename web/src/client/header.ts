@@ -13,6 +13,16 @@ export interface Grid {
     readonly baseShift: number;
 }
 
+/** The rules of the operation that a log may choose. */
+export interface RefinementRules {
+    /** 1: Delaunay; 2: the same, but creases stay (proto/FORMAT.md, "Flip"). */
+    readonly flipRule: number;
+    /** Of the six vertices around a split face; 1: by a quarter, 2: by an eighth. */
+    readonly smoothing: number;
+    /** A scalar's step is the power of two of grid units nearest to edge / stepRatio. */
+    readonly stepRatio: number;
+}
+
 /** Quantiser steps of colour residuals, 8-bit units. */
 export interface ColourSteps {
     readonly luma: number;
@@ -28,8 +38,7 @@ export interface Header {
     /** Any value, the same for every form of one model. */
     readonly logId: bigint;
     readonly grid: Grid;
-    /** A scalar's step is the power of two of grid units nearest to edge / stepRatio. */
-    readonly stepRatio: number;
+    readonly rules: RefinementRules;
     readonly nBaseVertices: number;
     readonly nBaseFaces: number;
     /** Whether an index frame stands behind the header. */
@@ -42,7 +51,6 @@ export const headerSize = 96;
 
 const magic = [0x89, 0x41, 0x52, 0x4c, 0x0d, 0x0a, 0x1a, 0x0a]; // "\x89ARL\r\n\x1a\n"
 const thisMajor = 1;
-const ruleId = 1; // predictor, flips, smoothing and updates have one rule each so far
 const maxHeaderSize = 4096;
 const crcOffset = 92;
 const flagSealed = 1;
@@ -86,7 +94,7 @@ export function decodeHeader(log: Uint8Array): Header {
             bits: reader.u8(),
             baseShift: reader.u8(),
         },
-        stepRatio: stepRatioBehindRules(reader),
+        rules: takeRules(reader),
         nBaseVertices: reader.u32(),
         nBaseFaces: reader.u32(),
         sealed: (reader.u32() & flagSealed) !== 0,
@@ -103,20 +111,26 @@ function checkCrc(header: Uint8Array): void {
     require(stored === computed, "another checksum: the header is damaged");
 }
 
-function stepRatioBehindRules(reader: ByteReader): number {
-    for (const rule of ["predictor", "flip rule", "smoothing", "update mode"]) {
+function takeRules(reader: ByteReader): RefinementRules {
+    const takeRule = (rule: string, lastKnown: number): number => {
         const id = reader.u8();
-        require(id === ruleId, `${rule} ${ruleId}, got ${id}`);
-    }
-    return reader.u16();
+        const known = lastKnown === 1 ? "1" : `1 to ${lastKnown}`;
+        require(id >= 1 && id <= lastKnown, `${rule} ${known}, got ${id}`);
+        return id;
+    };
+    takeRule("predictor", 1);
+    const flipRule = takeRule("flip rule", 2);
+    const smoothing = takeRule("smoothing", 2);
+    takeRule("update mode", 1);
+    return { flipRule, smoothing, stepRatio: reader.u16() };
 }
 
-function checkLimits({ grid, stepRatio, nBaseVertices, nBaseFaces, colourSteps }: Header): void {
+function checkLimits({ grid, rules, nBaseVertices, nBaseFaces, colourSteps }: Header): void {
     const { bits, baseShift, origin, unit } = grid;
     require(bits >= 1 && bits <= 20, `1 to 20 grid bits, got ${bits}`);
     require(baseShift < bits, `a base shift below the grid bits, got ${baseShift}`);
     require(origin.every(Number.isFinite) && Number.isFinite(unit) && unit > 0, "a finite origin and a positive unit");
-    require(stepRatio >= 1, "a step ratio of 1 to 65535");
+    require(rules.stepRatio >= 1, "a step ratio of 1 to 65535");
     require(nBaseVertices >= 4 && nBaseVertices <= maxLogVertices, `4 to 2^24 base vertices, got ${nBaseVertices}`);
     require(
         nBaseFaces >= 4 && nBaseFaces <= maxLogFaces && nBaseFaces % 2 === 0,

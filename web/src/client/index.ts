@@ -12,7 +12,7 @@ export { loadDraco3d } from "./draco3d.js";
 export type { Draco3dOptions } from "./draco3d-module.js";
 export type { Frame } from "./frame.js";
 export { frameTypeName, FrameType } from "./frame.js";
-export type { ColourSteps, Grid, Header } from "./header.js";
+export type { ColourSteps, Grid, Header, RefinementRules } from "./header.js";
 export { decodeHeader, headerBytesNeeded } from "./header.js";
 export type { IntegerMesh } from "./integer-mesh.js";
 export type { LiveOptions, LiveStatus } from "./live-connection.js";

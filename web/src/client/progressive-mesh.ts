@@ -77,7 +77,7 @@ export class ProgressiveMesh {
         this.keepsHistory = options.keepsHistory ?? false;
         this.grid = header.grid;
         this.draco = draco;
-        this.mesh = new RefinableMesh(decodeBase(payload, header, draco), header.grid.bits, header.stepRatio);
+        this.mesh = new RefinableMesh(decodeBase(payload, header, draco), header.grid.bits, header.rules);
         checkHash(baseFrame, "state", this.mesh.stateHash);
         this.colourState = new ColourState(header.colourSteps, header.nBaseVertices);
     }

@@ -7,6 +7,7 @@ import { withRoomFor } from "./growing-array.js";
 import { HalfedgeConnectivity } from "./halfedge-connectivity.js";
 import type { ConnectivityState } from "./halfedge-connectivity.js";
 import { next, prev } from "./halfedge.js";
+import type { RefinementRules } from "./header.js";
 import type { IntegerMesh } from "./integer-mesh.js";
 import { sumRing } from "./ring-sums.js";
 import { RollingHash } from "./rolling-hash.js";
@@ -15,7 +16,8 @@ import { wantsFlip } from "./wants-flip.js";
 
 const flipMark = 0x80000000;
 const newVertexSmoothing = 0.5;
-const ringVertexSmoothing = 0.25;
+/** By the header's smoothing. */
+const ringVertexSmoothing = [NaN, 0.25, 0.125];
 
 /** Refinements in order: each splits a face and moves the three new vertices and six around it along their normals. */
 export interface SplitRecords {
@@ -48,7 +50,8 @@ export class RefinableMesh {
     readonly changedVertices = new ChangeMarks();
 
     private readonly gridSize: number;
-    private readonly stepRatio: number;
+    private readonly rules: RefinementRules;
+    private readonly ringWeight: number;
     private readonly hash = new RollingHash();
     private readonly moves = new UndoJournal();
     private readonly site = new Int32Array(6);
@@ -62,13 +65,14 @@ export class RefinableMesh {
      * @param base on a grid of 2^gridBits positions an axis
      * @throws DecodeError if it is not a closed consistently oriented manifold
      */
-    constructor(base: IntegerMesh, gridBits: number, stepRatio: number) {
+    constructor(base: IntegerMesh, gridBits: number, rules: RefinementRules) {
         const nVertices = base.positions.length / 3;
         this.connectivity = new HalfedgeConnectivity(nVertices, base.triangles);
         this.positions = base.positions.slice();
         this.parents = new Int32Array(2 * nVertices).map((_, i) => i >> 1);
         this.gridSize = 2 ** gridBits;
-        this.stepRatio = stepRatio;
+        this.rules = rules;
+        this.ringWeight = ringVertexSmoothing[rules.smoothing];
         for (const x of base.positions) this.hash.mix(x);
         for (const v of base.triangles) this.hash.mix(v);
         this.changedVertices.reserve(nVertices);
@@ -153,7 +157,7 @@ export class RefinableMesh {
 
         for (let i = 0; i < 6; ++i) {
             const update = updates[6 * record + i];
-            this.smooth(site[i], ringVertexSmoothing); // 6
+            this.smooth(site[i], this.ringWeight); // 6
             if (update !== 0) this.measureNormal(site[i], 0);
             this.move(site[i], update, step, 0);
         }
@@ -161,7 +165,8 @@ export class RefinableMesh {
 
     /** The step of the face's scalars, grid units (proto/FORMAT.md, "Step"). Only integers are compared. */
     private scalarStep(): number {
-        const { positions, site, stepRatio } = this;
+        const { positions, site } = this;
+        const { stepRatio } = this.rules;
         let sum = 0;
         for (let i = 0; i < 3; ++i) {
             const p = 3 * site[i];
@@ -203,11 +208,12 @@ export class RefinableMesh {
 
     private flipAround(vertex: number): void {
         const { connectivity, positions } = this;
+        const { flipRule } = this.rules;
         const first = connectivity.outgoing[vertex];
         let spoke = first;
         do {
             const link = next(spoke);
-            if (wantsFlip(positions, connectivity, link)) {
+            if (wantsFlip(positions, connectivity, link, flipRule)) {
                 connectivity.flip(link);
                 this.hash.mix(flipMark + link);
             }

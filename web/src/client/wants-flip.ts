@@ -2,8 +2,19 @@
 import type { HalfedgeConnectivity } from "./halfedge-connectivity.js";
 import { prev } from "./halfedge.js";
 
+/** Rule 2: edges between faces at more than 14 degrees stay, those between needles (270 degrees) from 36 degrees on. */
+const creasePreserving = 2;
+const coplanarCosine = 0.96875;
+const needleCosine = 0.8125;
+const needleCotangents = 2;
+
 /** Whether the edge of h, from p to q between the corners m and s, gives way to one between m and s. */
-export function wantsFlip(positions: Int32Array, connectivity: HalfedgeConnectivity, h: number): boolean {
+export function wantsFlip(
+    positions: Int32Array,
+    connectivity: HalfedgeConnectivity,
+    h: number,
+    flipRule: number,
+): boolean {
     const { corners, twins } = connectivity;
     const t = twins[h];
     const p = 3 * corners[h];
@@ -28,9 +39,17 @@ export function wantsFlip(positions: Int32Array, connectivity: HalfedgeConnectiv
     const bz = (px - sx) * (qy - sy) - (py - sy) * (qx - sx);
     const sineM = Math.sqrt(ax * ax + ay * ay + az * az);
     const sineS = Math.sqrt(bx * bx + by * by + bz * bz);
-    if (!(dotM * sineS + dotS * sineM < 0)) return false;
+    const cotangents = dotM * sineS + dotS * sineM; // cot m + cot s, times the sines
+    if (!(cotangents < 0)) return false;
 
-    // N = cross(q - p, m - p) + cross(p - q, s - q); the first is a, the second -b, both sums of exact integers.
+    // cross(q - p, m - p) is a, cross(p - q, s - q) is -b: all of them sums of exact integers.
+    if (flipRule === creasePreserving) {
+        const sines = sineM * sineS;
+        const areNeedles = cotangents < -needleCotangents * sines;
+        if (!(-(ax * bx + ay * by + az * bz) >= (areNeedles ? needleCosine : coplanarCosine) * sines)) return false;
+    }
+
+    // N = cross(q - p, m - p) + cross(p - q, s - q)
     const nx = ax - bx, ny = ay - by, nz = az - bz;
     // cross(p - m, s - m) and cross(q - s, m - s): normals of the two faces that the flip would make
     const cx = (py - my) * (sz - mz) - (pz - mz) * (sy - my);
