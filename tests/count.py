@@ -2,8 +2,8 @@
 
 usage: count.py REPORT.xml...      prints "PASSED FAILED SKIPPED"
 
-A doctest binary counts its test cases, a unittest script its test methods, Node's test runner its tests, any other test one. A test that ends badly
-without naming a failed case (a crash, a sanitizer, a time limit, a binary that was never built) counts one failure.
+A doctest binary counts its test cases, a unittest script its test methods, Vitest its tests, any other test one. A test that ends
+badly without naming a failed case (a crash, a sanitizer, a time limit, a binary that was never built) counts one failure.
 """
 import re
 import sys
@@ -11,9 +11,7 @@ import xml.etree.ElementTree as ElementTree
 
 DOCTEST = re.compile(r"\[doctest\] test cases: *(\d+) *\| *(\d+) passed *\| *(\d+) failed")
 UNITTEST = re.compile(r"^Ran (\d+) tests? in .*\n\n(?:OK|FAILED)(?: \((.*)\))?$", re.M)
-NODE = re.compile(  # of the reporters "spec" and "tap", which put another sign in front
-    r"^\S pass (\d+)\n\S fail (\d+)\n\S cancelled (\d+)\n\S skipped (\d+)\n\S todo (\d+)$", re.M
-)
+VITEST = re.compile(r"^ *Tests  ((?:\d+ [a-z ]+(?: \| )?)+) \(\d+\)$", re.M)
 
 
 def cases_named_by(output):
@@ -31,12 +29,12 @@ def cases_named_by(output):
         failed += bad
         skipped += odd.get("skipped", 0)
         passed += int(match[1]) - bad - odd.get("skipped", 0)
-    for match in NODE.finditer(output):
+    for match in VITEST.finditer(output):
         told = True
-        well, bad, cancelled, left_out, to_do = map(int, match.groups())
-        passed += well
-        failed += bad + cancelled
-        skipped += left_out + to_do
+        ends = {end: int(n) for n, end in re.findall(r"(\d+) ([a-z ]*[a-z])", match[1])}
+        passed += ends.pop("passed", 0)
+        failed += ends.pop("failed", 0)
+        skipped += sum(ends.values())
     return (passed, failed, skipped) if told else None
 
 

@@ -23,13 +23,13 @@ class Count(unittest.TestCase):
         output = "Ran 9 tests in 0.1s\n\nFAILED (failures=1, errors=2, skipped=3)\n"
         self.assertEqual(counted("fail", output), (3, 3, 3))
 
-    def test_nodes_test_runner_counts_its_tests(self):
-        closing = "\n".join(["{0} tests 9", "{0} suites 0", "{0} pass {1}", "{0} fail {2}", "{0} cancelled {3}", "{0} skipped {4}",
-                             "{0} todo 0", "{0} duration_ms 17.5"]) + "\n"
-        self.assertEqual(counted("run", "> test\n" + closing.format("ℹ", 7, 0, 0, 2)), (7, 0, 2))
-        self.assertEqual(counted("run", closing.format("#", 9, 0, 0, 0)), (9, 0, 0))
-        self.assertEqual(counted("fail", closing.format("ℹ", 4, 2, 1, 2)), (4, 3, 2))
-        self.assertEqual(counted("fail", closing.format("ℹ", 9, 0, 0, 0)), (9, 1, 0))
+    def test_vitest_counts_its_tests(self):
+        closing = " Test Files  1 failed | 2 passed (3)\n      Tests  {}\n     Errors  1 error\n   Start at  00:02:30\n"
+        self.assertEqual(counted("run", closing.format("9 passed (9)")), (9, 0, 0))
+        self.assertEqual(counted("run", closing.format("7 passed | 2 skipped (9)")), (7, 0, 2))
+        self.assertEqual(counted("fail", closing.format("2 failed | 4 passed | 2 skipped | 1 todo (9)")), (4, 2, 3))
+        self.assertEqual(counted("fail", closing.format("9 passed (9)")), (9, 1, 0))
+        self.assertEqual(counted("fail", closing.format("no tests")), (0, 1, 0))
 
     def test_any_other_test_counts_one(self):
         self.assertEqual(counted("run", "fine"), (1, 0, 0))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/mesh/normals.h"
+#include "core/mesh/triangle_shape.h"
 #include "core/parallel.h"
 
 namespace anyrate {
@@ -114,6 +115,26 @@ std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDis
     return costs;
 }
 
+/// Takes back the moves of faces that they turned by more than 60 degrees, until none is left: the next measurement
+/// would take the face for one of the other side.
+void take_back_turned(Mesh& mesh, std::span<const Vec3> before) {
+    constexpr double least_cosine = 0.5;
+    const auto normal_of = [](std::span<const Vec3> v, const Triangle& t) {
+        return twice_area_vector(v[at(t[0])], v[at(t[1])], v[at(t[2])]);
+    };
+    for (bool any = true; any;) {
+        any = false;
+        for (const Triangle& t : mesh.triangles) {
+            const Vec3 was = normal_of(before, t), is = normal_of(mesh.vertices, t);
+            if (was.dot(is) >= least_cosine * was.norm() * is.norm()) continue;
+            for (const std::int32_t v : t) {
+                any = any || mesh.vertices[at(v)] != before[at(v)];
+                mesh.vertices[at(v)] = before[at(v)];
+            }
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
@@ -124,11 +145,13 @@ std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> 
         const std::vector<FaceDistance> faces = meter.measure(mesh, normals);
         const std::vector<double> u = Quadratic(mesh, active, faces, options.damping).minimum();
         const std::vector<double> edges = mean_edge_lengths(mesh);
+        const std::vector<Vec3> before(mesh.vertices);
         for (std::size_t i = 0; i < active.size(); ++i) {
             const std::size_t v = at(active[i]);
             const double most = options.most_edges * edges[v];
             mesh.vertices[v] += std::clamp(u[i], -most, most) * normals[v];
         }
+        take_back_turned(mesh, before);
         if (round + 1 == options.rounds) costs = displacement_costs(mesh, faces);
     }
     return costs;

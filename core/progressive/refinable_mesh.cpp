@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t flip_mark = 0x80000000u;
 constexpr double new_vertex_smoothing = 0.5;
 
-double weight_of(RingSmoothing smoothing) { return smoothing == RingSmoothing::quarter ? 0.25 : 0.125; }
+double weight_of(RingSmoothing smoothing) { return smoothing == RingSmoothing::quarter ? 0.25 : 0.0625; }
 
 /// Unit vector along a ring's summed face normals; a ring without area has none, so it gets a fixed one.
 LatticeVector unit_normal(const LatticeVector& sum) {

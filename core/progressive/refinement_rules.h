@@ -11,13 +11,13 @@ enum class FlipRule : std::uint8_t {
 };
 
 /// How far the six vertices around a split face are smoothed along the surface (FORMAT.md, "Update the six").
-enum class RingSmoothing : std::uint8_t { quarter = 1, eighth = 2 };
+enum class RingSmoothing : std::uint8_t { quarter = 1, sixteenth = 2 };
 
 /// The rules a header fixes for a whole log.
 struct RefinementRules {
     int step_ratio = 80;  ///< a step is the power of two of grid units nearest to edge / step_ratio
     FlipRule flip_rule = FlipRule::crease_preserving;
-    RingSmoothing ring_smoothing = RingSmoothing::eighth;
+    RingSmoothing ring_smoothing = RingSmoothing::sixteenth;
     friend bool operator==(const RefinementRules&, const RefinementRules&) = default;
 };
 

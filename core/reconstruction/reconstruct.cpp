@@ -1,6 +1,7 @@
 #include "core/reconstruction/reconstruct.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -149,7 +150,9 @@ void optimise_coarse_to_fine(PhotoBackend& backend, Start& start, const Progress
                          options, stop);
         if (level == 1) are_off = align_views(start, level, least_shift_px);
         if (level == 0 && are_off) align_views(start, level, 0.0);
-        tell({Stage::optimise, 1.0 - static_cast<double>(level) / (first + 1), mesh.n_vertices(), 0});
+        // Each level takes about twice the time of the one before, adapt_to_relief() as long as all of them.
+        const double share = (std::exp2(first - level + 1) - 1) / (std::exp2(first + 2) - 1);
+        tell({Stage::optimise, share, mesh.n_vertices(), 0});
     }
 }
 

@@ -3,13 +3,12 @@
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
-import test from "node:test";
 import { fileURLToPath } from "node:url";
 
 import { decodeLog, frameTypeName } from "../src/client/index.js";
 import type { Budget, ProgressiveMesh } from "../src/client/index.js";
 import { draco, repository } from "./golden.js";
-import { anyrate, inScratchFolder, noProgram } from "./program.js";
+import { anyrate, inScratchFolder, noProgram, testUnless } from "./program.js";
 
 const shared = process.env["ANYRATE_SHARED"] ?? fileURLToPath(new URL("../shared", repository));
 const sharedCaptures = ["nefertiti", "pot", "bowl", "oxford_dinosaur"];
@@ -42,13 +41,13 @@ function bodyOfPly(file: string, nVertices: number): Uint8Array {
         .filter((_, i) => i >= facesBegin || i % stride < normalsBegin || i % stride >= normalsEnd);
 }
 
-function compareReaders(folder: string, capture: string): void {
+async function compareReaders(folder: string, capture: string): Promise<void> {
     const model = join(folder, "model.arl");
-    anyrate("reconstruct", capture, "-o", model, "--coarse", "500", "--vertices", "2200", "--quiet");
+    await anyrate("reconstruct", capture, "-o", model, "--coarse", "500", "--vertices", "2200", "--quiet");
     const log = new Uint8Array(readFileSync(model));
 
     const { layout } = decodeLog(log, draco); // checks every checksum and state hash
-    const listed = JSON.parse(anyrate("info", model, "--json"));
+    const listed = JSON.parse(await anyrate("info", model, "--json"));
     assert.deepEqual(
         layout.frames.map((frame) => [frameTypeName(frame.type), frame.nVerticesAfter, frame.end]),
         listed.frames.map((frame: Record<string, unknown>) => [frame["type"], frame["vertices"], frame["end"]]),
@@ -65,25 +64,25 @@ function compareReaders(folder: string, capture: string): void {
     for (const budget of budgets) {
         const [[option, value]] = Object.entries(budget);
         const mesh = join(folder, "mesh.ply");
-        anyrate("decode", model, "-o", mesh, `--${option}`, String(value));
+        await anyrate("decode", model, "-o", mesh, `--${option}`, String(value));
         const decoded = decodeLog(log, draco, budget).mesh;
         const written = bodyOfPly(mesh, decoded.nVertices);
         assert.ok(Buffer.compare(plyBody(decoded), written) === 0, `${option} ${value}`);
     }
 }
 
-test("Twin: C++ and JavaScript decode a simulated capture's log alike at every budget", { skip: noProgram }, async () => {
-    await inScratchFolder((folder) => {
+testUnless(noProgram)("Twin: C++ and JavaScript decode a simulated capture's log alike at every budget", async () => {
+    await inScratchFolder(async (folder) => {
         const capture = join(folder, "capture");
-        anyrate("simulate", "--scene", "vessel", "-o", capture, "--views", "12", "--width", "200", "--height", "150");
-        compareReaders(folder, capture);
+        await anyrate("simulate", "--scene", "vessel", "-o", capture, "--views", "12", "--width", "200", "--height", "150");
+        await compareReaders(folder, capture);
     });
 });
 
 for (const name of sharedCaptures) {
     const capture = join(shared, "data", name);
     const noCapture = existsSync(join(capture, "cameras.json")) ? false : `no capture at ${capture}`;
-    test(`Twin: C++ and JavaScript decode a log of ${name} alike at every budget`, { skip: noProgram || noCapture }, () =>
+    testUnless(noProgram || noCapture)(`Twin: C++ and JavaScript decode a log of ${name} alike at every budget`, () =>
         inScratchFolder((folder) => compareReaders(folder, capture)),
     );
 }

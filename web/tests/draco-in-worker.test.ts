@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { DecodeError, dracoInWorker, openModel } from "../src/client/index.js";
 import { found, icosphere, icosphereExpectations } from "./golden.js";

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { decodeColour } from "../src/client/colour-codec.js";
 import { DecodeError, loadDraco3d, readLayout } from "../src/client/index.js";

@@ -2,7 +2,6 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import test from "node:test";
 import { fileURLToPath } from "node:url";
 
 // @ts-expect-error no types
@@ -13,7 +12,7 @@ import type { ProgressiveMesh } from "../src/client/index.js";
 import { decodeGeometry } from "./draco3d-all.js";
 import type { DecodedGeometry } from "./draco3d-all.js";
 import { draco, icosphere, repository } from "./golden.js";
-import { anyrate, inScratchFolder, noProgram } from "./program.js";
+import { anyrate, inScratchFolder, noProgram, testUnless } from "./program.js";
 
 const model = fileURLToPath(new URL("tests/golden/icosphere.arl", repository));
 const extension = "KHR_draco_mesh_compression";
@@ -39,7 +38,7 @@ interface Glb {
 async function written(words: readonly string[], use: (file: Uint8Array, glb: Glb) => void | Promise<void>) {
     await inScratchFolder(async (folder) => {
         const mesh = join(folder, "mesh.glb");
-        anyrate("decode", model, "-o", mesh, ...words);
+        await anyrate("decode", model, "-o", mesh, ...words);
         const file = new Uint8Array(readFileSync(mesh));
         await use(file, parsed(file));
     });
@@ -69,11 +68,11 @@ async function complaints(file: Uint8Array, ignored: readonly string[] = []): Pr
 
 const budgets = [["--vertices", "42"], ["--vertices", "333"], ["--bytes", "9000"], ["--distortion", "20"], []];
 
-test("GLB: the validator finds nothing to say about plain files", { skip: noProgram }, async () => {
+testUnless(noProgram)("GLB: the validator finds nothing to say about plain files", async () => {
     for (const budget of budgets) await written(budget, async (file) => assert.deepEqual(await complaints(file), []));
 });
 
-test("GLB: the validator accepts compressed files, whose extension it does not look into", { skip: noProgram }, async () => {
+testUnless(noProgram)("GLB: the validator accepts compressed files, whose extension it does not look into", async () => {
     for (const budget of budgets) {
         await written([...budget, "--draco"], async (file) =>
             assert.deepEqual(await complaints(file, ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT"]), []),
@@ -81,7 +80,7 @@ test("GLB: the validator accepts compressed files, whose extension it does not l
     }
 });
 
-test("GLB: the validator would tell of a fault", { skip: noProgram }, async () => {
+testUnless(noProgram)("GLB: the validator would tell of a fault", async () => {
     await written([], async (file, { json, primitive }) => {
         const [min] = json.accessors[primitive.attributes.POSITION].min;
         const text = new TextDecoder("latin1").decode(file);
@@ -91,7 +90,7 @@ test("GLB: the validator would tell of a fault", { skip: noProgram }, async () =
     });
 });
 
-test("GLB: indices are 32-bit and inside, bounds are those of the floats", { skip: noProgram }, async () => {
+testUnless(noProgram)("GLB: indices are 32-bit and inside, bounds are those of the floats", async () => {
     await written(["--vertices", "333"], (_, { accessors, primitive, view }) => {
         const { mesh } = decodeLog(icosphere, draco, { vertices: 333 });
         const indices = accessors[primitive.indices];
@@ -112,7 +111,7 @@ function checkBounds({ min, max }: Accessor, positions: Float32Array): void {
     }
 }
 
-test("GLB: the stock decoder finds what the accessors of a compressed file promise", { skip: noProgram }, async () => {
+testUnless(noProgram)("GLB: the stock decoder finds what the accessors of a compressed file promise", async () => {
     await written(["--vertices", "333", "--draco"], (_, { accessors, primitive, view }) => {
         const { bufferView, attributes } = primitive.extensions[extension];
         const decoded = decodeGeometry(view(bufferView), attributes);

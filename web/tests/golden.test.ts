@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { decodeLog, FrameType, ModelDecoder, prefixFor, readLayout } from "../src/client/index.js";
 import { triplesOfFormat } from "./format-text.js";

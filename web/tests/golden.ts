@@ -6,8 +6,8 @@ import { frameHeaderSize } from "../src/client/frame.js";
 import { loadDraco3d, readLayout } from "../src/client/index.js";
 import type { ProgressiveMesh } from "../src/client/index.js";
 
-/** The root of the repository, seen from web/dist/tests. */
-export const repository = new URL("../../../", import.meta.url);
+/** The root of the repository. */
+export const repository = new URL("../../", import.meta.url);
 
 export const draco = await loadDraco3d();
 

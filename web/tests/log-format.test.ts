@@ -1,6 +1,7 @@
 // Header, frames, their order and the index: what proto/FORMAT.md allows and what it refuses.
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { crc32c } from "../src/client/crc32c.js";
 import { decodeHeader, decodeLog, decodeSideIndex, prefixFor, readLayout } from "../src/client/index.js";

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
 
+import { test } from "vitest";
 import { WebSocket } from "ws";
 
 import { DecodeError, dracoInThread, followModel, openModel, readLayout, ServerError } from "../src/client/index.js";

@@ -1,9 +1,12 @@
 // The built C++ program, for tests that compare with it: ANYRATE, or build/anyrate.
-import { execFileSync } from "node:child_process";
+import { execFile } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
+
+import { test } from "vitest";
 
 import { repository } from "./golden.js";
 
@@ -12,9 +15,18 @@ const program = process.env["ANYRATE"] ?? fileURLToPath(new URL("build/anyrate",
 /** Why tests that need the program are skipped; false if it is there. */
 export const noProgram = existsSync(program) ? false : `no program at ${program}`;
 
+/** Like `test`, but skipped if something is missing, with a note of what it is. */
+export function testUnless(missing: string | false) {
+    return (name: string, run: () => void | Promise<void>) =>
+        test(name, async ({ skip }) => {
+            if (missing !== false) skip(missing);
+            await run();
+        });
+}
+
 /** Runs `anyrate WORDS`, which must succeed, and gives what it printed. */
-export function anyrate(...words: string[]): string {
-    return execFileSync(program, words, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+export async function anyrate(...words: string[]): Promise<string> {
+    return (await promisify(execFile)(program, words, { encoding: "utf8", maxBuffer: Infinity })).stdout;
 }
 
 /** A folder that is gone when `use` is done. */

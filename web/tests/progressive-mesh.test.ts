@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { ModelDecoder, readLayout } from "../src/client/index.js";
 import type { ProgressiveMesh, Range } from "../src/client/index.js";

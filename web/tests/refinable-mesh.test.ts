@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
-import test from "node:test";
+
+import { test } from "vitest";
 
 import { DecodeError } from "../src/client/index.js";
 import { RefinableMesh } from "../src/client/refinable-mesh.js";

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
-import test from "node:test";
 import { fileURLToPath } from "node:url";
 import { brotliCompressSync } from "node:zlib";
 
 import { build } from "vite";
+import { test } from "vitest";
 
 import { repository } from "./golden.js";
 

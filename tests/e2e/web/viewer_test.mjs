@@ -1,17 +1,18 @@
 // The viewer as a visitor uses it: headless Chromium on a real `anyrate serve`.
-// ANYRATE is the program; its viewer lies beside it (npm run viewer in web/). SCREENSHOTS is a folder that gets pictures.
+// ANYRATE is the program; its viewer lies beside it (npm run viewer in web/).
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { cpSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import test, { after, before } from "node:test";
+
+import { afterAll, beforeAll, test } from "vitest";
 
 import { decodeLog, loadDraco3d } from "../../../web/dist/src/client/index.js";
 import { dropFiles, Proxy, run, scratchFolder, startBrowser, startServer } from "./harness.mjs";
+import { askFor, data, picture, settled, visit } from "./pages.mjs";
 import { differenceOf, drawnPixels, overlapOf } from "./pictures.mjs";
 import { framesOfSockets } from "./socket_frames.mjs";
 
-const patience = 180_000; // ms, far above what is needed, also on a machine that others use
 const nVertices = 3000;
 const scratch = scratchFolder();
 const capture = join(scratch.path, "capture");
@@ -19,7 +20,7 @@ let server, proxy, browser, draco;
 /** The model that the second test makes, its log, and the vertices it came to. */
 let id, log, most;
 
-before(async () => {
+beforeAll(async () => {
     run("simulate", "--scene", "vessel", "-o", capture, "--views", "10", "--width", "320", "--height", "240");
     server = await startServer(join(scratch.path, "data"));
     proxy = new Proxy(server.url);
@@ -28,58 +29,14 @@ before(async () => {
     draco = await loadDraco3d();
 });
 
-after(async () => {
+afterAll(async () => {
     await browser?.close();
     proxy?.stop();
     await server?.stop();
     scratch.remove();
 });
 
-/** A page that fails its test if it has an error, or asks another host. */
-async function withPage({ home = proxy.url, ...options }, use) {
-    const context = await browser.newContext({ viewport: { width: 1280, height: 820 }, ...options });
-    const page = await context.newPage();
-    page.setDefaultTimeout(patience);
-    const complaints = [];
-    page.on("pageerror", (error) => complaints.push(error.message));
-    page.on("console", (line) => line.type() === "error" && complaints.push(line.text()));
-    page.on("request", (request) => {
-        const { origin, protocol } = new URL(request.url());
-        if (protocol.startsWith("http") && origin !== home) complaints.push(`a request to ${request.url()}`);
-    });
-    try {
-        await use(page);
-        const unexpected = complaints.filter((text) => !(options.expected ?? []).some((pattern) => pattern.test(text)));
-        assert.deepEqual(unexpected, []);
-    } finally {
-        await context.close();
-    }
-}
-
-const main = (page) => page.locator("main.model");
-const data = (page, name) => main(page).evaluate((element, key) => element.dataset[key], name);
-
-async function settled(page) {
-    await page.waitForFunction(() => {
-        const element = document.querySelector("main.model");
-        return element?.dataset.vertices && !element.hasAttribute("aria-busy");
-    });
-}
-
-async function askFor(page, vertices) {
-    const field = page.getByLabel("Budget as a number");
-    await field.fill(String(vertices));
-    await field.press("Enter");
-    await page.waitForFunction((n) => {
-        const { dataset } = document.querySelector("main.model");
-        return Number(dataset.vertices) <= n && Number(dataset.vertices) >= n - 2;
-    }, vertices);
-    await settled(page);
-}
-
-async function picture(page, name) {
-    if (process.env.SCREENSHOTS) await page.screenshot({ path: join(process.env.SCREENSHOTS, `${name}.png`) });
-}
+const withPage = ({ home = proxy.url, ...options }, use) => visit(browser, home, options, use);
 
 const idOf = (page) => /models\/([a-z2-7]{26})/.exec(page.url())[1];
 const expectedAt = (vertices) => decodeLog(log, draco, { vertices }).mesh;
@@ -164,6 +121,29 @@ test("Upload: it goes on where it was left, and becomes a model that refines bef
         logs.assertEachOnce();
     }));
 
+test("Upload: what the server refuses is said per file after the upload", () =>
+    withPage({ expected: [/422/] }, async (page) => {
+        const broken = join(scratch.path, "refused");
+        cpSync(capture, broken, { recursive: true });
+        const [first, second] = readdirSync(join(broken, "images")).sort();
+        const whole = readFileSync(join(broken, "images", second));
+        writeFileSync(join(broken, "images", second), whole.subarray(0, whole.length / 2));
+        await page.goto(`${proxy.url}/?new`);
+        const choose = async (folder) => {
+            await page.locator("input[webkitdirectory]").setInputFiles(folder);
+            await page.getByText("10 photographs").waitFor();
+            await page.getByText("Upload and reconstruct").click();
+        };
+        await choose(broken);
+        const refused = page.getByRole("alert").filter({ hasText: "The server refuses these files" }).last();
+        await refused.waitFor();
+        const items = await refused.getByRole("listitem").allInnerTexts();
+        assert.equal(items.length, 1, `only the cut one is refused, got ${items}`);
+        assert.ok(items[0].startsWith(`images/${second}: `) && !items[0].includes(first), items[0]);
+        await picture(page, "upload-refused");
+        assert.doesNotMatch(page.url(), /models/);
+    }));
+
 /** A zip of the capture. */
 function zippedCapture() {
     const zip = join(scratch.path, "capture.zip");
@@ -193,7 +173,7 @@ test("Upload: a zip without cameras is refused before it is sent", () =>
         const zip = join(scratch.path, "no-cameras.zip");
         execFileSync("python3", ["-m", "zipfile", "-c", zip, "images"], { cwd: capture });
         await page.goto(`${proxy.url}/?new`);
-        await page.locator("input[accept]").setInputFiles(zip);
+        await dropFiles(page, { x: 30, y: 700 }, [zip]); // beside the place for it
         const faults = page.getByRole("alert").filter({ hasText: "not ready" });
         await faults.waitFor();
         assert.match(await faults.innerText(), /cameras\.json/);
@@ -275,6 +255,41 @@ test("Gallery: the model is there with a picture of its first kilobytes", () =>
         await settled(page);
     }));
 
+test("Gallery: a model that is being made shows how far it is, gets its picture on the way, and can be deleted", () =>
+    withPage({ expected: [/404/] }, async (page) => {
+        const made = await fetch(`${server.url}/v1/models?vertices=200000`, {
+            method: "POST",
+            headers: { "Content-Type": "application/zip" },
+            body: readFileSync(zippedCapture()),
+        });
+        const { id: running } = await made.json();
+        await page.goto(proxy.url);
+        const card = page.locator(`article[data-id="${running}"]`);
+        const told = await page.waitForFunction((model) => {
+            const element = document.querySelector(`article[data-id="${model}"]`);
+            const stage = element?.querySelector(".chip").textContent;
+            const share = parseFloat(element?.querySelector(".fill").style.width);
+            return share > 0 && share < 100 && /^[A-Z][a-z]+ \d+ %$/.test(stage) && { stage, share };
+        }, running, { polling: 20 });
+        const { stage, share } = await told.jsonValue();
+        assert.equal(Number(/\d+/.exec(stage)[0]), Math.round(share), "the bar is as long as the number says");
+        await page.waitForFunction(({ model, before }) => {
+            const now = document.querySelector(`article[data-id="${model}"] .chip`).textContent;
+            return / \d+ %$/.test(now) && now !== before;
+        }, { model: running, before: stage }, { polling: 20 });
+        await card.locator("canvas.painted").waitFor();
+        await picture(page, "gallery-running");
+        assert.match(await card.innerText(), /[\d,]+ vertices/);
+        assert.equal((await fetch(`${server.url}/v1/models/${running}/cancel`, { method: "POST" })).ok, true);
+        await card.getByText("Cancelled").waitFor();
+        assert.equal(await card.locator(".bar").isVisible(), false, "there is no progress any more");
+        page.on("dialog", (dialog) => void dialog.accept());
+        await card.hover();
+        await card.getByRole("button", { name: /Delete/ }).click();
+        await card.waitFor({ state: "detached" });
+        assert.equal((await fetch(`${server.url}/v1/models/${running}`)).status, 404);
+    }));
+
 test("Model page: the first 8,192 bytes make a picture, before the colours and the rest have come", () =>
     withPage({}, async (page) => {
         const { layout, mesh } = decodeLog(log, draco, { vertices: 1 });
@@ -337,10 +352,21 @@ test("Model page: the curve and the slider lead to budgets, by keys too", () =>
         const reached = (n) => page.waitForFunction((count) => document.querySelector("main.model").dataset.vertices === String(count), n);
         await slider.press("Home");
         await reached(base);
+        for (const n of [base + 1, base + 2, base + 3]) {
+            await slider.press("ArrowRight");
+            await page.waitForFunction((count) => document.querySelector(".budget-number").value === String(count), n);
+        }
+        await reached(expectedAt(base + 3).nVertices);
         await page.getByRole("button", { name: "Bytes" }).first().click();
         await slider.press("End");
         await reached(most);
         assert.match(page.url(), /bytes=\d+/);
+        await page.getByRole("button", { name: "Distortion", exact: true }).click();
+        await slider.press("Home");
+        await reached(base);
+        assert.match(page.url(), /distortion=[\d.]+/);
+        await slider.press("End");
+        await reached(most);
         await plot.press("ArrowLeft");
         await page.waitForFunction((n) => Number(document.querySelector("main.model").dataset.vertices) < n, most);
         const { width, height } = await plot.boundingBox();
@@ -402,6 +428,9 @@ test("Model page: edges and the map of the last step are drawn, and go again", (
         };
         const difference = (a, b) => page.evaluate(differenceOf, [a, b]);
         const edges = page.getByRole("button", { name: "Edges" });
+        await page.getByRole("button", { name: "Last step" }).click();
+        await page.getByText("No step yet: choose another budget.").waitFor();
+        await page.getByRole("button", { name: "Plain" }).click();
         const plain = await shown("plain");
         await edges.click();
         const withEdges = await shown("edges");
@@ -414,6 +443,7 @@ test("Model page: edges and the map of the last step are drawn, and go again", (
         await edges.click();
         const finer = await shown("plain-finer");
         await page.getByRole("button", { name: "Last step" }).click();
+        await page.getByText(/^Last step: [\d,]+ new vertices, [\d,]+ moved$/).waitFor();
         await shown("last-step");
         const { mesh, coloured } = await drawnPixels(page);
         assert.ok(coloured > 0.05 * mesh && coloured < 0.9 * mesh, `what the step changed is marked, got ${coloured} of ${mesh} pixels`);
@@ -440,13 +470,15 @@ test("Model page: downloads are the server's bytes at the budget that is shown",
     }));
 
 test("Model page: a link opens the same budget, shading and view", () =>
-    withPage({}, async (page) => {
+    withPage({ permissions: ["clipboard-read", "clipboard-write"] }, async (page) => {
         await page.goto(`${proxy.url}/models/${id}?vertices=2700`);
         await settled(page);
         await page.getByRole("button", { name: "Normals" }).click();
         await page.locator("canvas").press("ArrowLeft");
         await page.locator("canvas").press("+");
-        const [link, hash] = [page.url(), await data(page, "hash")];
+        await page.getByRole("button", { name: "Copy link" }).click();
+        await page.getByRole("button", { name: "Copied" }).waitFor();
+        const [link, hash] = [await page.evaluate(() => navigator.clipboard.readText()), await data(page, "hash")];
         assert.match(link, /vertices=2700/);
         assert.match(link, /shading=normals/);
         const shown = await page.locator(".stage canvas").boundingBox();
@@ -461,6 +493,16 @@ test("Model page: a link opens the same budget, shading and view", () =>
         const afterwards = await page.screenshot({ clip: shown });
         const difference = await page.evaluate(differenceOf, [before.toString("base64"), afterwards.toString("base64")]);
         assert.ok(difference < 2, `expected the same picture, got a mean difference of ${difference} of 255`);
+    }));
+
+test("Model page: where a page may not copy, the button says where the link is", () =>
+    withPage({}, async (page) => {
+        await page.addInitScript(() => Object.defineProperty(Navigator.prototype, "clipboard", { value: undefined }));
+        await page.goto(`${proxy.url}/models/${id}`);
+        await settled(page);
+        await page.getByRole("button", { name: "Copy link" }).click();
+        await page.getByRole("button", { name: "It is in the address bar" }).waitFor();
+        assert.match(page.url(), /vertices=\d+/);
     }));
 
 test("Pages: strict policy, a name and a ring for everything that the keyboard reaches", () =>

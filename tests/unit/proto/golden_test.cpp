@@ -88,7 +88,7 @@ TEST_CASE("Golden: the rules of today, recorded on a cube, are those of tomorrow
     const auto log = read_bytes("cube.arl");
     const Header header = read_layout(log).header;
     CHECK(header.rules.flip_rule == FlipRule::crease_preserving);
-    CHECK(header.rules.ring_smoothing == RingSmoothing::eighth);
+    CHECK(header.rules.ring_smoothing == RingSmoothing::sixteenth);
     check_expectations(log, nlohmann::json::parse(read_text("cube.json")));
 }
 

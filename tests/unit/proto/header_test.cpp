@@ -90,7 +90,7 @@ TEST_CASE("Header: fields out of their limits are rejected though the checksum i
 
 TEST_CASE("Header: every known flip rule and smoothing is read as it was written") {
     for (const FlipRule flips : {FlipRule::delaunay, FlipRule::crease_preserving}) {
-        for (const RingSmoothing smoothing : {RingSmoothing::quarter, RingSmoothing::eighth}) {
+        for (const RingSmoothing smoothing : {RingSmoothing::quarter, RingSmoothing::sixteenth}) {
             Header header = sample_header();
             header.rules.flip_rule = flips;
             header.rules.ring_smoothing = smoothing;

@@ -220,6 +220,19 @@ TEST_CASE("Reconstruct: a stop leaves a finished model that ends at a whole batc
     CHECK(recorder.replayed->n_vertices() > small.n_coarse);
 }
 
+TEST_CASE("Reconstruct: progress never goes back, and optimising is not told to be over while it lasts") {
+    Recorder recorder;
+    std::vector<Progress> told;
+    reconstruct(capture(), small, recorder, [&](const Progress& p) { told.push_back(p); });
+    REQUIRE(told.size() > 5);
+    for (std::size_t i = 0; i < told.size(); ++i) {
+        if (told[i].stage == Stage::optimise) CHECK(told[i].fraction < 1);
+        if (i == 0) continue;
+        CHECK(told[i].stage >= told[i - 1].stage);
+        if (told[i].stage == told[i - 1].stage) CHECK(told[i].fraction >= told[i - 1].fraction);
+    }
+}
+
 TEST_CASE("Reconstruct: counts out of range are refused with what was expected") {
     Recorder recorder;
     ReconstructOptions options = small;

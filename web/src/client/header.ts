@@ -17,7 +17,7 @@ export interface Grid {
 export interface RefinementRules {
     /** 1: Delaunay; 2: the same, but creases stay (proto/FORMAT.md, "Flip"). */
     readonly flipRule: number;
-    /** Of the six vertices around a split face; 1: by a quarter, 2: by an eighth. */
+    /** Of the six vertices around a split face; 1: by a quarter, 2: by a sixteenth. */
     readonly smoothing: number;
     /** A scalar's step is the power of two of grid units nearest to edge / stepRatio. */
     readonly stepRatio: number;

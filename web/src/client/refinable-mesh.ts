@@ -17,7 +17,7 @@ import { wantsFlip } from "./wants-flip.js";
 const flipMark = 0x80000000;
 const newVertexSmoothing = 0.5;
 /** By the header's smoothing. */
-const ringVertexSmoothing = [NaN, 0.25, 0.125];
+const ringVertexSmoothing = [NaN, 0.25, 0.0625];
 
 /** Refinements in order: each splits a face and moves the three new vertices and six around it along their normals. */
 export interface SplitRecords {

@@ -10,11 +10,20 @@ export type CameraInfo = Cameras["cameras"][number];
 /** What the server said in place of what was asked for. */
 export class RequestError extends Error {
     readonly status: number;
+    /** Of files that were sent, one by one. */
+    readonly faults: readonly Fault[];
 
-    constructor(status: number, sentence: string) {
+    constructor(status: number, sentence: string, faults: readonly Fault[] = []) {
         super(sentence);
         this.status = status;
+        this.faults = faults;
     }
+}
+
+/** What is wrong with a file. */
+export interface Fault {
+    readonly file: string;
+    readonly sentence: string;
 }
 
 /** The address of a model, whole, as the client library and WebSockets want it. */
@@ -92,16 +101,17 @@ function ask(url: string, method = "GET"): Promise<Response> {
 async function answer(response: Response): Promise<Response> {
     if (response.ok) return response;
     wantsToken(response.status);
-    throw new RequestError(response.status, sentenceOf(await response.text(), response.status));
+    throw problemOf(await response.text(), response.status);
 }
 
 /** Of a problem document (RFC 9457), or of the bare status. */
-export function sentenceOf(body: string, status: number): string {
+export function problemOf(body: string, status: number): RequestError {
     try {
-        const { detail } = JSON.parse(body) as { detail?: unknown };
-        if (typeof detail === "string") return detail;
+        const { detail, faults = [] } = JSON.parse(body) as components["schemas"]["Problem"];
+        const named = faults.map(({ path, fault }) => ({ file: path, sentence: fault }));
+        if (typeof detail === "string") return new RequestError(status, detail, named);
     } catch {
         // not a problem document: the status says it
     }
-    return `The server answered ${status}.`;
+    return new RequestError(status, `The server answered ${status}.`);
 }

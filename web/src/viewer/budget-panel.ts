@@ -1,5 +1,5 @@
 import type { Budget, IndexRow } from "../client/index.js";
-import { amountOf, budgetOf, budgetScale, kindOf, sliderSteps, stepOf, valueAt } from "./budget-scale.js";
+import { amountOf, budgetOf, budgetScale, kindOf, nextValue, sliderSteps, stepOf, valueAt } from "./budget-scale.js";
 import type { BudgetKind, BudgetScale } from "./budget-scale.js";
 import { h } from "./dom.js";
 import { bytes, count, significant } from "./format.js";
@@ -24,6 +24,7 @@ export class BudgetPanel {
         class: "budget-slider",
         "aria-label": "Budget",
         oninput: () => this.fromSlider(),
+        onkeydown: (event) => this.onKey(event as KeyboardEvent),
     });
     private readonly number = h("input", { type: "number", class: "budget-number", "aria-label": "Budget as a number", onchange: () => this.fromNumber() });
     private readonly unit = h("span", { class: "budget-unit" });
@@ -92,6 +93,15 @@ export class BudgetPanel {
 
     private fromSlider(): void {
         if (this.scale) this.choose(valueAt(this.scale, Number(this.slider.value)));
+    }
+
+    /** Arrow keys reach every budget there is, which steps of the slider do not. */
+    private onKey(event: KeyboardEvent): void {
+        const direction = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+        if (direction === undefined || !this.scale) return;
+        event.preventDefault();
+        const value = this.current && kindOf(this.current) === this.kind ? amountOf(this.current) : valueAt(this.scale, Number(this.slider.value));
+        this.choose(nextValue(this.scale, this.rows, this.framesBegin, value, direction));
     }
 
     private fromNumber(): void {

@@ -39,6 +39,25 @@ export function stepOf({ coarsest, finest }: BudgetScale, value: number): number
     return Math.min(Math.max(Math.round(step), 0), sliderSteps);
 }
 
+/**
+ * One vertex more or less; for bytes and distortion, which change from frame to frame, that of the next frame.
+ * @param direction 1 towards the finest, -1 towards the coarsest
+ */
+export function nextValue(
+    { kind, coarsest, finest }: BudgetScale,
+    rows: readonly IndexRow[],
+    framesBegin: number,
+    value: number,
+    direction: number,
+): number {
+    if (kind === "vertices") return Math.min(Math.max(value + direction, coarsest), finest);
+    const towards = kind === "bytes" ? direction : -direction;
+    const amounts = rows.map(({ end, meanDistortion }) => (kind === "bytes" ? framesBegin + end : meanDistortion));
+    const beyond = amounts.filter((amount) => amount > 0 && (towards > 0 ? amount > value : amount < value));
+    if (beyond.length === 0) return direction > 0 ? finest : coarsest;
+    return towards > 0 ? Math.min(...beyond) : Math.max(...beyond);
+}
+
 export function budgetOf(kind: BudgetKind, value: number): Budget {
     return { [kind]: value } as unknown as Budget;
 }

@@ -17,11 +17,11 @@ export interface Rectangle extends Size {
     readonly top: number;
 }
 
-/** Where an image of this size lies, as large as fits, in the middle of a canvas. */
-export function fittedRectangle(image: Size, canvas: Size): Rectangle {
-    const scale = Math.min(canvas.width / image.width, canvas.height / image.height);
-    const [width, height] = [scale * image.width, scale * image.height];
-    return { left: (canvas.width - width) / 2, top: (canvas.height - height) / 2, width, height };
+/** Where an image of this size lies, as large as fits, in the middle of a free place. */
+export function fittedRectangle(image: Size, { left, top, width, height }: Rectangle): Rectangle {
+    const scale = Math.min(width / image.width, height / image.height);
+    const fitted = { width: scale * image.width, height: scale * image.height };
+    return { left: left + (width - fitted.width) / 2, top: top + (height - fitted.height) / 2, ...fitted };
 }
 
 /** Takes world points to WebGL's camera axes. */
@@ -35,17 +35,18 @@ export function viewMatrix({ R, t }: PinholeCamera): number[] {
  * Takes WebGL's camera axes to clip space, so that a pixel of the photograph is seen where it lies in its rectangle.
  * @param pixelCentre where the centre of the top-left pixel lies
  * @param image  pixels of the photograph
- * @param canvas any unit
+ * @param place  of it in the canvas
+ * @param canvas the same unit
  */
 export function projectionMatrix(
     { K }: PinholeCamera,
     pixelCentre: readonly number[],
     image: Size,
+    { left, top, width }: Rectangle,
     canvas: Size,
     near: number,
     far: number,
 ): number[] {
-    const { left, top, width } = fittedRectangle(image, canvas);
     const scale = width / image.width;
     const ndcX = (2 * scale) / canvas.width; // of one pixel
     const ndcY = (2 * scale) / canvas.height;

@@ -1,11 +1,7 @@
 // What can be said of a capture before it is uploaded; the server looks at all of it again.
+import type { Fault } from "./api.js";
 import { namesInZip } from "./zip-file.js";
 import type { NamedFile } from "./zip-file.js";
-
-export interface Fault {
-    readonly file: string;
-    readonly sentence: string;
-}
 
 export interface CheckedCapture {
     /** What is to be sent, by names inside the capture; a zip as it is. */

@@ -1,7 +1,9 @@
 import type { Model } from "../client/index.js";
 import type { Cameras, ModelInfo } from "./api.js";
 import { cameraCentre, meanUp } from "./camera-view.js";
+import type { Rectangle } from "./camera-view.js";
 import { h } from "./dom.js";
+import { HeatLegend } from "./heat-legend.js";
 import { ModelView } from "./model-view.js";
 import { Notice } from "./notice.js";
 import { PhotoStrip } from "./photo-strip.js";
@@ -20,7 +22,8 @@ export class ModelStage {
     private readonly shared: SharedState;
     private readonly progressCard = new ProgressCard();
     private readonly shadingBar: ShadingBar;
-    private readonly foot = h("div", { class: "foot" });
+    private readonly legend = new HeatLegend();
+    private readonly foot = h("div", { class: "foot" }, this.legend.element);
     private view: ModelView | undefined;
     private photos: PhotoStrip | undefined;
     private model: Model | undefined;
@@ -31,6 +34,7 @@ export class ModelStage {
         this.shadingBar = new ShadingBar(shared.shading ?? "colour", shared.edges ?? false);
         this.shadingBar.onShading = (shading) => {
             this.view?.setShading(shading);
+            this.showLegend();
             this.onMoved();
         };
         this.shadingBar.onEdges = (shown) => {
@@ -68,7 +72,9 @@ export class ModelStage {
         }
         this.view.setShading(this.shadingBar.shading);
         this.view.setEdges(this.shadingBar.edges);
+        this.view.onHeat = (step) => this.legend.show(step);
         this.leaveRoom();
+        this.showLegend();
         this.view.onMoved = () => this.onMoved();
         this.view.onLeftPhotograph = () => {
             this.photos?.leave();
@@ -83,11 +89,12 @@ export class ModelStage {
     openPhotographs(cameras: Cameras): void {
         if (!this.view) return;
         this.view.setOrientation(meanUp(cameras.cameras), cameraCentre(cameras.cameras[0]));
-        this.photos = new PhotoStrip(cameras, this.element);
-        this.photos.onEnter = (photograph) => {
-            this.view?.enterPhotograph(photograph);
+        this.photos = new PhotoStrip(cameras, this.element, () => this.freePlace());
+        this.photos.onEnter = (photograph, place) => {
+            this.view?.enterPhotograph(photograph, place);
             this.onMoved();
         };
+        this.photos.onPlace = (place) => this.view?.placePhotograph(place);
         this.photos.onLeave = () => this.view?.leavePhotograph();
         this.element.prepend(this.photos.picture);
         this.foot.append(this.photos.blendControl, this.photos.strip);
@@ -139,8 +146,20 @@ export class ModelStage {
 
     /** Keeps the model clear of what lies over its stage: a card of stages that is as wide as a phone, too. */
     private leaveRoom(): void {
+        const { top, height } = this.freePlace();
+        this.view?.setCovered(top, this.element.clientHeight - top - height);
+    }
+
+    private freePlace(): Rectangle {
         const card = this.progressCard.element;
         const upper = !card.hidden && card.offsetWidth > 0.6 * this.element.offsetWidth ? card : this.shadingBar.element;
-        this.view?.setCovered(upper.offsetTop + upper.offsetHeight, this.foot.offsetHeight);
+        const top = upper.offsetTop + upper.offsetHeight;
+        const height = this.element.clientHeight - top - this.foot.offsetHeight;
+        return { left: 0, top, width: this.element.clientWidth, height: Math.max(height, 1) };
+    }
+
+    private showLegend(): void {
+        this.legend.element.hidden = this.shadingBar.shading !== "heat" || !this.view;
+        this.photos?.place();
     }
 }

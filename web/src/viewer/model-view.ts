@@ -7,6 +7,7 @@ import type { Rectangle, Size } from "./camera-view.js";
 import { acquireDrawing, releaseDrawing } from "./drawing.js";
 import type { Drawing } from "./drawing.js";
 import { FrameRate } from "./frame-rate.js";
+import type { Step } from "./heat-legend.js";
 import { MorphGeometry } from "./morph-geometry.js";
 import { OrbitCamera } from "./orbit-camera.js";
 import type { Pose } from "./orbit-camera.js";
@@ -29,6 +30,8 @@ export class ModelView {
     /** Is told when the point of view was changed by hand, and when a photograph's camera was left. */
     onMoved: () => void = () => {};
     onLeftPhotograph: () => void = () => {};
+    /** Is told what the step did that the heat map shows; undefined if there was none. */
+    onHeat: (step: Step | undefined) => void = () => {};
 
     private readonly drawing: Drawing = acquireDrawing();
     private readonly renderer = this.drawing.renderer;
@@ -50,6 +53,7 @@ export class ModelView {
     private mesh: ProgressiveMesh | undefined;
     private bounds = new Sphere(new Vector3(), 1);
     private photograph: PhotographCamera | undefined;
+    private photographPlace: Rectangle = { left: 0, top: 0, width: 1, height: 1 };
     private dirty = true;
     /** Changes that were told and not taken, and whether some were taken and not drawn. */
     private nPending = 0;
@@ -66,7 +70,7 @@ export class ModelView {
         this.canvas = this.renderer.domElement;
         this.canvas.tabIndex = 0;
         this.canvas.setAttribute("role", "img");
-        this.canvas.setAttribute("aria-label", "The model. Arrow keys turn it, + and − zoom, F fits it.");
+        this.canvas.setAttribute("aria-label", "The model. Arrow keys turn it, W A S D move it, + and − zoom, F fits it.");
         container.prepend(this.canvas);
         this.edges = new LineSegments(this.morphing.edgeGeometry, this.materials.edges);
         const surface = new Mesh(this.morphing.geometry, this.materials.surface);
@@ -76,6 +80,7 @@ export class ModelView {
         this.scene.add(this.placed);
         this.orbit = this.newOrbit();
         this.releaseKeys = orbitByKeys(this.canvas, this.orbit);
+        this.canvas.addEventListener("webglcontextrestored", this.redraw);
         this.resize = new ResizeObserver(() => this.fitCanvas(container));
         this.resize.observe(container);
         this.fitCanvas(container);
@@ -104,6 +109,7 @@ export class ModelView {
         this.placed.scale.setScalar(unit);
         this.bounds = boundingSphere(mesh);
         this.orbit.setBounds(this.bounds);
+        this.onHeat(undefined);
     }
 
     /** The model has changed: the next frames go there. */
@@ -151,9 +157,13 @@ export class ModelView {
         this.orbit.fit();
     }
 
-    /** Looks through a photograph's camera until the view is turned. */
-    enterPhotograph(photograph: PhotographView): void {
+    /** Looks through a photograph's camera until the view is turned. @param place of the photograph, CSS pixels of the canvas */
+    enterPhotograph(photograph: PhotographView, place: Rectangle): void {
         this.photograph = new PhotographCamera(photograph);
+        this.placePhotograph(place);
+    }
+    placePhotograph(place: Rectangle): void {
+        this.photographPlace = place;
         this.dirty = true;
     }
 
@@ -189,6 +199,7 @@ export class ModelView {
         cancelAnimationFrame(this.frame);
         this.resize.disconnect();
         this.releaseKeys();
+        this.canvas.removeEventListener("webglcontextrestored", this.redraw);
         this.orbit.dispose();
         this.morphing.dispose();
         releaseDrawing(this.drawing);
@@ -202,18 +213,22 @@ export class ModelView {
         return orbit;
     }
 
+    private readonly redraw = (): void => {
+        this.dirty = true;
+    };
+
     private readonly tick = (now: number): void => {
         this.frame = requestAnimationFrame(this.tick);
         this.frameRate.count(now);
         this.orbit.update();
         if (this.nPending === 0 && this.heatStale && this.showsHeat && this.mesh) {
             this.heatStale = false;
-            this.morphing.measureHeat(this.mesh);
+            this.onHeat(this.morphing.measureHeat(this.mesh));
         }
         if (this.morph.isRunning(now) || this.colouring.isRunning(now)) this.dirty = true;
         if (!this.dirty || !this.mesh || this.sparesFrame(now)) return;
         this.dirty = false;
-        this.draw(now, this.photograph?.at(this.canvasSize, this.bounds) ?? this.orbit.toCamera());
+        this.draw(now, this.photograph?.at(this.photographPlace, this.canvasSize, this.bounds) ?? this.orbit.toCamera());
         this.hasUndrawn = false;
         this.markDrawn(this.morphing.vertexCount);
         if (this.nPending > 0) setTimeout(this.copyPending); // in a task of its own, not in that of a frame

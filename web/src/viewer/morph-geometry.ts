@@ -1,6 +1,7 @@
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Sphere, Vector3 } from "three";
 
 import type { Model, ModelChanges, ProgressiveMesh, Range } from "../client/index.js";
+import type { Step } from "./heat-legend.js";
 
 type Numbers = Float32Array | Int16Array | Uint8Array | Uint32Array;
 
@@ -88,24 +89,27 @@ export class MorphGeometry {
         this.stepFrom = mesh.positions.slice();
     }
 
-    /** Fills the heat of every vertex: how far it moved since beginStep(), new ones full. */
-    measureHeat(mesh: ProgressiveMesh): void {
-        if (!this.buffers) return;
+    /** Fills the heat of every vertex: how far it moved since beginStep(), new ones full. @returns what the step did */
+    measureHeat(mesh: ProgressiveMesh): Step | undefined {
+        if (!this.buffers || this.stepFrom.length === 0) return undefined;
         const { array } = this.buffers.tint;
         const { positions } = mesh;
         const moved = new Float32Array(mesh.nVertices);
         let most = 1;
+        let nMoved = 0;
         const nBefore = Math.min(this.stepFrom.length / 3, mesh.nVertices);
         for (let v = 0; v < nBefore; ++v) {
             let sum = 0;
             for (let i = 3 * v; i < 3 * v + 3; ++i) sum += (positions[i] - this.stepFrom[i]) ** 2;
             moved[v] = Math.sqrt(sum);
+            if (sum > 0) ++nMoved;
             if (moved[v] > most) most = moved[v];
         }
         for (let v = 0; v < mesh.nVertices; ++v) {
             array[4 * v + 3] = v < nBefore ? Math.round(200 * Math.sqrt(moved[v] / most)) : 255;
         }
         uploadAll(this.buffers.tint, 4 * mesh.nVertices);
+        return { added: mesh.nVertices - this.stepFrom.length / 3, moved: nMoved };
     }
 
     dispose(): void {

@@ -27,7 +27,9 @@ export class OrbitCamera {
     private covered = { top: 0, bottom: 0 };
     private firstEye: Vector3 | undefined;
     private poseWanted: Pose | undefined;
+    /** The view was asked for or made by hand: it stays, also if the model or the canvas become others. */
     private hasPose = false;
+    private isFadingOut = false;
 
     constructor(canvas: HTMLElement) {
         this.canvas = canvas;
@@ -38,6 +40,8 @@ export class OrbitCamera {
     setBounds(bounds: Sphere): void {
         this.bounds = bounds;
         this.hasModel = true;
+        this.controls.minDistance = 0.05 * bounds.radius;
+        this.controls.maxDistance = 20 * bounds.radius;
         if (!this.hasPose) this.applyPose();
     }
 
@@ -82,7 +86,9 @@ export class OrbitCamera {
 
     /** The whole model in view, from the side that it is seen from. */
     fit(): void {
-        this.onGrabbed();
+        this.grab();
+        this.hasPose = false;
+        this.poseWanted = undefined;
         const direction = this.direction();
         this.controls.target.copy(this.bounds.center);
         this.moveTo(this.bounds.center.clone().addScaledVector(direction, this.fitDistance()));
@@ -98,13 +104,14 @@ export class OrbitCamera {
     /** Goes on from another camera's place, about the point of its axis that is nearest to the model. */
     continueFrom(eye: Vector3, axis: Vector3): void {
         const along = Math.max(axis.dot(this.bounds.center.clone().sub(eye)), 0.1 * this.bounds.radius);
+        this.hasPose = true;
         this.controls.target.copy(eye).addScaledVector(axis, along);
         this.moveTo(eye);
     }
 
     /** @param sideways, upwards radians */
     turn(sideways: number, upwards: number): void {
-        this.onGrabbed();
+        this.grab();
         const { up } = this.camera;
         const offset = this.camera.position.clone().sub(this.controls.target);
         const right = new Vector3().crossVectors(up, offset).normalize();
@@ -115,9 +122,20 @@ export class OrbitCamera {
         this.onMoved();
     }
 
+    /** Moves what is seen. @param sideways, upwards of the view's height, at the target */
+    pan(sideways: number, upwards: number): void {
+        this.grab();
+        const { position, quaternion } = this.camera;
+        const height = 2 * Math.tan((fieldOfView / 2) * (Math.PI / 180)) * position.distanceTo(this.controls.target);
+        const step = new Vector3(-sideways * height, -upwards * height, 0).applyQuaternion(quaternion);
+        this.controls.target.add(step);
+        this.moveTo(position.clone().add(step));
+        this.onMoved();
+    }
+
     /** @param factor of the distance to the target */
     zoom(factor: number): void {
-        this.onGrabbed();
+        this.grab();
         const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
         this.moveTo(offset.add(this.controls.target));
         this.onMoved();
@@ -125,7 +143,9 @@ export class OrbitCamera {
 
     /** Goes on with a movement that fades out; once a frame. */
     update(): void {
-        this.controls.update();
+        const moves = this.controls.update();
+        if (this.isFadingOut && !moves) this.onMoved();
+        this.isFadingOut = moves;
     }
 
     /** The camera to draw with, its depth about the model. */
@@ -147,16 +167,19 @@ export class OrbitCamera {
         controls.enableDamping = !this.reducedMotion.matches;
         controls.dampingFactor = 0.12;
         controls.rotateSpeed = 0.9;
-        controls.addEventListener("start", () => this.onGrabbed());
+        controls.addEventListener("start", () => this.grab());
         controls.addEventListener("end", () => this.onMoved());
         controls.addEventListener("change", () => this.onChange());
         return controls;
     }
 
+    private grab(): void {
+        this.hasPose = true;
+        this.onGrabbed();
+    }
+
     private applyPose(): void {
-        const { center, radius } = this.bounds;
-        this.controls.minDistance = 0.05 * radius;
-        this.controls.maxDistance = 20 * radius;
+        const { center } = this.bounds;
         if (this.poseWanted) {
             const [x, y, z, ...target] = this.poseWanted;
             this.controls.target.set(...target);

@@ -1,6 +1,6 @@
 import type { CameraInfo, Cameras } from "./api.js";
 import { fittedRectangle } from "./camera-view.js";
-import type { Size } from "./camera-view.js";
+import type { Rectangle, Size } from "./camera-view.js";
 import { h, icon, icons } from "./dom.js";
 import type { PhotographView } from "./photograph-camera.js";
 import { showPicture } from "./server-file.js";
@@ -12,22 +12,25 @@ export class PhotoStrip {
     /** For the stage itself: under or over the canvas. */
     readonly picture = h("img", { class: "photograph", alt: "", hidden: true });
     readonly blendControl: HTMLElement;
-    onEnter: (view: PhotographView, index: number) => void = () => {};
+    onEnter: (view: PhotographView, place: Rectangle) => void = () => {};
+    /** Is told where the photograph lies now, if one is looked through. */
+    onPlace: (place: Rectangle) => void = () => {};
     onLeave: () => void = () => {};
 
     private readonly cameras: Cameras;
     private readonly buttons: HTMLButtonElement[];
     private readonly blend: HTMLInputElement;
-    private readonly stage: HTMLElement;
+    private readonly freePlace: () => Rectangle;
     private readonly resize: ResizeObserver;
     private readonly inView: IntersectionObserver;
     private current: number | undefined;
     private image: Size | undefined;
     private showsPictures = false;
 
-    constructor(cameras: Cameras, stage: HTMLElement) {
+    /** @param freePlace what of the stage nothing else covers */
+    constructor(cameras: Cameras, stage: HTMLElement, freePlace: () => Rectangle) {
         this.cameras = cameras;
-        this.stage = stage;
+        this.freePlace = freePlace;
         this.buttons = cameras.cameras.map((camera, i) => this.button(camera, i));
         this.strip.append(...this.buttons);
         this.blend = h("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "Blend", oninput: () => this.setBlend() });
@@ -68,8 +71,8 @@ export class PhotoStrip {
         this.picture.hidden = false;
         this.blendControl.hidden = false;
         this.setBlend();
+        this.onEnter({ camera, pixelCentre: this.cameras.pixel_center, image: this.image }, this.rectangle(this.image));
         this.place();
-        this.onEnter({ camera, pixelCentre: this.cameras.pixel_center, image: this.image }, index);
     }
 
     leave(): void {
@@ -109,11 +112,17 @@ export class PhotoStrip {
         this.blend.style.setProperty("--share", `${this.blend.value}%`);
     }
 
-    private place(): void {
+    /** Puts the photograph where there is room for it, after the room has changed. */
+    place(): void {
         if (!this.image) return;
-        const canvas = { width: this.stage.clientWidth, height: this.stage.clientHeight };
-        const { left, top, width, height } = fittedRectangle(this.image, canvas);
+        const place = this.rectangle(this.image);
+        const { left, top, width, height } = place;
         Object.assign(this.picture.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+        this.onPlace(place);
+    }
+
+    private rectangle(image: Size): Rectangle {
+        return fittedRectangle(image, this.freePlace());
     }
 
     private button(camera: CameraInfo, index: number): HTMLButtonElement {

@@ -2,7 +2,7 @@ import { Camera, Matrix4, Vector3 } from "three";
 import type { Sphere } from "three";
 
 import { cameraCentre, projectionMatrix, viewMatrix } from "./camera-view.js";
-import type { PinholeCamera, Size } from "./camera-view.js";
+import type { PinholeCamera, Rectangle, Size } from "./camera-view.js";
 
 /** A photograph that is looked through. */
 export interface PhotographView {
@@ -31,14 +31,14 @@ export class PhotographCamera {
 
     /**
      * The camera to draw with, so that a pixel of the photograph is seen where it lies in its rectangle.
-     * @param canvas CSS pixels
+     * @param place, canvas CSS pixels
      * @param bounds of the model, which depth is to hold
      */
-    at(canvas: Size, { center, radius }: Sphere): Camera {
+    at(place: Rectangle, canvas: Size, { center, radius }: Sphere): Camera {
         const { camera, pixelCentre, image } = this.view;
         const distance = this.eye.distanceTo(center);
         const near = Math.max(distance - 2 * radius, 0.01 * radius);
-        this.camera.projectionMatrix.fromArray(projectionMatrix(camera, pixelCentre, image, canvas, near, distance + 2 * radius));
+        this.camera.projectionMatrix.fromArray(projectionMatrix(camera, pixelCentre, image, place, canvas, near, distance + 2 * radius));
         this.camera.projectionMatrixInverse = new Matrix4().copy(this.camera.projectionMatrix).invert();
         return this.camera;
     }

@@ -14,12 +14,20 @@ export class ShareButton {
 
     private async copy(): Promise<void> {
         this.onBeforeCopy();
-        await navigator.clipboard?.writeText(location.href).catch(() => {}); // the address bar has it, too
-        this.show("Copied");
+        this.show((await isCopied(location.href)) ? "Copied" : "It is in the address bar");
         setTimeout(() => this.show("Copy link"), copiedMilliseconds);
     }
 
     private show(text: string): void {
         this.element.replaceChildren(icon(icons.link), text);
     }
+}
+
+/** Browsers let a page copy only if it came by HTTPS or from this machine. */
+async function isCopied(text: string): Promise<boolean> {
+    if (!navigator.clipboard) return false;
+    return navigator.clipboard.writeText(text).then(
+        () => true,
+        () => false,
+    );
 }

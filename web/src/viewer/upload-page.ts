@@ -1,4 +1,5 @@
 import { remember, RequestError } from "./api.js";
+import type { Fault } from "./api.js";
 import { checkCapture } from "./capture-check.js";
 import type { CheckedCapture } from "./capture-check.js";
 import { h, icon, icons } from "./dom.js";
@@ -43,9 +44,7 @@ class UploadPage {
             folder,
             files,
         );
-        for (const name of ["dragenter", "dragover"]) this.drop.addEventListener(name, (event) => this.hover(event, true));
-        for (const name of ["dragleave", "drop"]) this.drop.addEventListener(name, (event) => this.hover(event, false));
-        this.drop.addEventListener("drop", (event) => void dropped(event as DragEvent).then((list) => this.look(list)));
+        this.takeDrops();
         this.element = h(
             "main",
             { class: "upload" },
@@ -60,16 +59,24 @@ class UploadPage {
         this.stop.abort();
     }
 
-    private hover(event: Event, over: boolean): void {
-        event.preventDefault();
-        this.drop.classList.toggle("over", over);
+    /** Anywhere on the page: a browser would open what is dropped beside the place for it, and leave. */
+    private takeDrops(): void {
+        const { signal } = this.stop;
+        const hover = (event: DragEvent, over: boolean) => {
+            event.preventDefault();
+            this.drop.classList.toggle("over", over);
+        };
+        addEventListener("dragover", (event) => hover(event, true), { signal });
+        addEventListener("dragleave", (event) => hover(event, event.relatedTarget !== null), { signal });
+        addEventListener("drop", (event) => hover(event, false), { signal });
+        addEventListener("drop", (event) => void dropped(event).then((list) => this.look(list)), { signal });
     }
 
     private async look(files: NamedFile[]): Promise<void> {
         if (files.length === 0) return;
         this.result.replaceChildren(h("p", { class: "muted" }, `Looking at ${count(files.length)} files…`));
         const capture = await checkCapture(files);
-        this.result.replaceChildren(capture.faults.length > 0 ? faultList(capture) : this.offer(capture));
+        this.result.replaceChildren(capture.faults.length > 0 ? faultList("This is not ready to be sent", capture.faults) : this.offer(capture));
     }
 
     private offer(capture: CheckedCapture): HTMLElement {
@@ -79,14 +86,14 @@ class UploadPage {
         let current: Uploader | undefined;
         const bar = h("span", { class: "fill" });
         const note = h("p", { class: "muted" });
-        const trouble = h("p", { class: "trouble", role: "alert" });
+        const trouble = h("div", { class: "trouble", role: "alert" });
         const start = h("button", { class: "button primary", onclick: () => void send() }, "Upload and reconstruct");
         const progress = h("div", { class: "progress", hidden: true }, h("span", { class: "bar" }, bar), note);
         const send = async () => {
             current ??= uploader();
             start.disabled = this.vertices.disabled = true;
             progress.hidden = false;
-            trouble.textContent = "";
+            trouble.replaceChildren();
             try {
                 const model = await current.send(({ phase, share }) => {
                     bar.style.width = `${100 * share}%`;
@@ -98,7 +105,7 @@ class UploadPage {
             } catch (error) {
                 start.disabled = false;
                 start.textContent = "Try again";
-                trouble.textContent = sentenceOfFailure(error);
+                trouble.replaceChildren(sayFailure(error));
                 if (error instanceof RequestError) wantsToken(error.status);
             }
         };
@@ -117,14 +124,18 @@ function leftOutSentence(n: number): string {
     return n === 1 ? "a file that no camera names stays here" : `${count(n)} files that no camera names stay here`;
 }
 
-function faultList({ faults }: CheckedCapture): HTMLElement {
+function faultList(title: string, faults: readonly Fault[]): HTMLElement {
     const items = faults.slice(0, shownFaults).map(({ file, sentence }) => h("li", {}, h("code", {}, file), ` ${sentence}.`));
     const rest = faults.length - items.length;
     if (rest > 0) items.push(h("li", {}, `and ${count(rest)} more`));
-    return h("div", { class: "faults", role: "alert" }, h("h3", {}, "This is not ready to be sent"), h("ul", {}, ...items));
+    return h("div", { class: "faults", role: "alert" }, h("h3", {}, title), h("ul", {}, ...items));
 }
 
-function sentenceOfFailure(error: unknown): string {
+function sayFailure(error: unknown): string | HTMLElement {
+    if (error instanceof RequestError && error.faults.length > 0) {
+        const faults = error.faults.map(({ file, sentence }) => ({ file: `${file}:`, sentence }));
+        return faultList("The server refuses these files. Mend them and choose the capture again: what has arrived is not sent again.", faults);
+    }
     if (error instanceof RequestError) return error.message;
     if (error instanceof TypeError) return "The connection broke. What has arrived is not lost: try again, and the upload goes on.";
     return String(error);

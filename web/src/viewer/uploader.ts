@@ -1,5 +1,5 @@
-import { RequestError, sentenceOf } from "./api.js";
-import type { ModelInfo } from "./api.js";
+import { problemOf, RequestError } from "./api.js";
+import type { Fault, ModelInfo } from "./api.js";
 import type { CheckedCapture } from "./capture-check.js";
 import { sendBody } from "./send-body.js";
 import { zipOf } from "./zip-file.js";
@@ -68,7 +68,7 @@ class FilesUploader implements Uploader {
         const arrived = await this.begin(signal);
         if (!arrived) return new ZipUploader(this.capture, this.vertices).send(onProgress, signal); // an older server
         const known = new Map(arrived.files.map((file) => [file.path, file]));
-        const faults: string[] = [];
+        const faults: Fault[] = [];
         let nBytes = 0;
         for (const { name, file } of this.capture.files) {
             const tell = (n: number) => onProgress({ phase: "sending", share: (nBytes + n) / this.capture.nBytes });
@@ -80,7 +80,7 @@ class FilesUploader implements Uploader {
             nBytes += file.size;
         }
         onProgress({ phase: "sending", share: 1 });
-        if (faults.length > 0) throw new RequestError(422, faults.join("\n"));
+        if (faults.length > 0) throw new RequestError(422, "The server refuses some of the files.", faults);
         const headers = { "Idempotency-Key": this.key };
         const url = `/v1/models?capture=${arrived.id}&vertices=${this.vertices}`;
         return expectJson<ModelInfo>(await sendBody("POST", url, undefined, headers, signal));
@@ -100,7 +100,7 @@ class FilesUploader implements Uploader {
         digest: Uint8Array | undefined,
         signal: AbortSignal,
         tell: (nBytes: number) => void,
-        faults: string[],
+        faults: Fault[],
     ): Promise<void> {
         const url = `/v1/captures/${id}/files/${name.split("/").map(encodeURIComponent).join("/")}`;
         const headers: Record<string, string> = { "Content-Type": "application/octet-stream" };
@@ -109,7 +109,7 @@ class FilesUploader implements Uploader {
             try {
                 const sent = await sendBody("PUT", url, file, headers, signal, tell);
                 const { accepted, fault } = expectJson<{ accepted: boolean; fault?: string }>(sent);
-                if (!accepted) faults.push(`${name}: ${fault}`);
+                if (!accepted) faults.push({ file: name, sentence: fault ?? "is refused" });
                 return;
             } catch (error) {
                 if (!(error instanceof TypeError) || attempt === maxRetries) throw error;
@@ -134,7 +134,7 @@ interface Answer {
 
 function expectJson<T>({ status, body }: Answer): T {
     if (status >= 200 && status < 300) return JSON.parse(body) as T;
-    throw new RequestError(status, sentenceOf(body, status));
+    throw problemOf(body, status);
 }
 
 /** Undefined where a page is not trusted with it: neither HTTPS nor this machine. */
