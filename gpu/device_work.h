@@ -16,6 +16,10 @@ struct DeviceWork {
         program.run(n_x, n_y);
         ++n_dispatches;
     }
+    void run_indirect(const GlProgram& program, const GlBuffer& counts, std::size_t offset) {
+        program.run_indirect(counts, offset);
+        ++n_dispatches;
+    }
     template <class T>
     void write(GlBuffer& buffer, std::span<const T> data) {
         buffer.write(data);

@@ -77,9 +77,10 @@ GraphicsDevice describe() {
     return device;
 }
 
-/// epoxy looks a function up when it is first called, and ends the program if no context is current then. What clean-up
-/// calls, with a context that may have been lost, is looked up here.
-void look_up_what_deletes() {
+/// epoxy looks a function up when it is first called, and ends the program if no context is current then. What is
+/// called with a context that may have been lost is looked up here.
+void look_up_late_calls() {
+    glGetGraphicsResetStatus();
     glDeleteBuffers(0, nullptr);
     glDeleteTextures(0, nullptr);
     glDeleteProgram(0);
@@ -105,7 +106,7 @@ EglContext::EglContext(DeviceChoice choice) {
             device_ = describe();
             if (choice == DeviceChoice::hardware && device_.is_software)
                 throw DeviceError(device_.renderer + " computes on the CPU");
-            look_up_what_deletes();
+            look_up_late_calls();
             handles_ = std::move(handles);
             return;
         } catch (const DeviceError& error) {
@@ -123,6 +124,11 @@ void EglContext::make_current() {
     if (std::this_thread::get_id() != owner_)
         throw DeviceError("the OpenGL context belongs to another thread than the one that uses it");
     make_current_on(handles_->display.get(), handles_->context);
+}
+
+void EglContext::make_none_current() {
+    const EGLDisplay display = eglGetCurrentDisplay();
+    if (display != EGL_NO_DISPLAY) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
 }  // namespace anyrate

@@ -35,6 +35,9 @@ public:
     /// @throws DeviceError the context is lost, or this is another thread
     void make_current();
 
+    /// Leaves this thread without a current context: what is deleted then is deleted nowhere.
+    static void make_none_current();
+
 private:
     struct Handles;
     std::unique_ptr<Handles> handles_;

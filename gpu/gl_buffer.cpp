@@ -50,6 +50,10 @@ void GlBuffer::clear(std::size_t n_bytes) {
 
 void GlBuffer::bind(std::uint32_t index) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, id_); }
 
+void GlBuffer::bind_uniform(std::uint32_t index) const { glBindBufferBase(GL_UNIFORM_BUFFER, index, id_); }
+
+void GlBuffer::bind_counts() const { glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, id_); }
+
 void GlBuffer::copy_in(std::span<const std::byte> data) {
     if (data.empty()) return;
     glNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size()), data.data());
@@ -61,7 +65,7 @@ void GlBuffer::copy_out(std::span<std::byte> data) const {
     if (data.empty()) return;
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(data.size()), data.data());
-    check_gl("glGetNamedBufferSubData");
+    check_gl_and_reset("glGetNamedBufferSubData");
 }
 
 }  // namespace anyrate

@@ -35,6 +35,12 @@ public:
     /// To what a shader declares with `binding = index`.
     void bind(std::uint32_t index) const;
 
+    /// To the uniform block that a shader declares with `binding = index`.
+    void bind_uniform(std::uint32_t index) const;
+
+    /// To where an indirect dispatch reads its counts of work groups.
+    void bind_counts() const;
+
     std::size_t capacity() const { return capacity_; }
 
 private:

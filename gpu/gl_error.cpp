@@ -35,4 +35,15 @@ void check_gl(std::string_view call) {
         throw DeviceError("OpenGL, " + std::string(call) + ": " + name_of(error));
 }
 
+void check_gl_and_reset(std::string_view call) {
+    check_gl(call);
+    // By GL_KHR_robustness, part of OpenGL 4.5.
+    const GLenum status = glGetGraphicsResetStatus();
+    if (status == GL_NO_ERROR) return;
+    const char* const whose = status == GL_GUILTY_CONTEXT_RESET     ? "by what this context did"
+                              : status == GL_INNOCENT_CONTEXT_RESET ? "by what another context did"
+                                                                    : "for a reason that it does not know";
+    throw DeviceError("OpenGL, " + std::string(call) + ": the context is lost, the device was reset " + whose);
+}
+
 }  // namespace anyrate

@@ -34,6 +34,12 @@ struct Shader {
     GLuint id;
 };
 
+/// What a shader wrote, to whatever may read it next.
+void make_visible() {
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+}
+
 }  // namespace
 
 GlProgram::GlProgram(std::string name, std::string_view source, std::string_view defines) : name_(std::move(name)) {
@@ -64,16 +70,29 @@ void GlProgram::set(std::int32_t location, std::int32_t value) const { glProgram
 void GlProgram::set(std::int32_t location, float value) const { glProgramUniform1f(id_, location, value); }
 void GlProgram::set(std::int32_t location, double value) const { glProgramUniform1d(id_, location, value); }
 
+std::uint32_t GlProgram::n_groups(std::size_t n_items) const {
+    const std::size_t n = (n_items + group_size - 1) / group_size;
+    if (n > most_groups)
+        throw DeviceError("OpenGL, " + name_ + ": " + std::to_string(n_items) +
+                          " items are more than a dispatch takes");
+    return static_cast<std::uint32_t>(n);
+}
+
 void GlProgram::run(std::size_t n_x, std::size_t n_y) const {
     if (n_x == 0 || n_y == 0) return;
-    const std::size_t n_groups = (n_x + group_size - 1) / group_size;
-    if (n_groups > most_groups || n_y > most_groups)
-        throw DeviceError("OpenGL, " + name_ + ": " + std::to_string(n_x) + " x " + std::to_string(n_y) +
-                          " items are more than a dispatch takes");
+    if (n_y > most_groups)
+        throw DeviceError("OpenGL, " + name_ + ": " + std::to_string(n_y) + " rows are more than a dispatch takes");
     glUseProgram(id_);
-    glDispatchCompute(static_cast<GLuint>(n_groups), static_cast<GLuint>(n_y), 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                    GL_BUFFER_UPDATE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+    glDispatchCompute(n_groups(n_x), static_cast<GLuint>(n_y), 1);
+    make_visible();
+    check_gl(name_);
+}
+
+void GlProgram::run_indirect(const GlBuffer& counts, std::size_t offset) const {
+    glUseProgram(id_);
+    counts.bind_counts();
+    glDispatchComputeIndirect(static_cast<GLintptr>(offset));
+    make_visible();
     check_gl(name_);
 }
 

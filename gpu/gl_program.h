@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "gpu/gl_buffer.h"
+
 namespace anyrate {
 
 /// A compute shader that the driver has compiled.
@@ -24,6 +26,13 @@ public:
     /// Runs it for items 0 .. n_x - 1 in each of n_y rows, and makes what it wrote visible to what comes next.
     /// @throws DeviceError
     void run(std::size_t n_x, std::size_t n_y = 1) const;
+
+    /// Runs as many work groups as three numbers of 32 bits in a buffer say by then. @param offset  of them, bytes
+    /// @throws DeviceError
+    void run_indirect(const GlBuffer& counts, std::size_t offset) const;
+
+    /// Work groups of so many items. @throws DeviceError they are more than a dispatch takes
+    std::uint32_t n_groups(std::size_t n_items) const;
 
     static constexpr std::size_t group_size = 64;  ///< items of a row that make a work group
 

@@ -6,69 +6,19 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <string>
+#include <optional>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/reconstruction/visibility.h"
+#include "gpu/device_terms.h"
 #include "gpu/gl_error.h"
-#include "gpu/gpu_surface.h"
-#include "gpu/photo_textures.h"
-#include "gpu/shaders.h"
+#include "gpu/gpu_optimiser.h"
 
 namespace anyrate {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-/// As shaders/common.glsl has them.
-struct DeviceQuery {
-    double corners[9];
-    float directions[9];
-    std::int32_t face;
-};
-constexpr std::size_t pair_size = 92;
-static_assert(sizeof(DeviceQuery) == 112);
-
-constexpr std::size_t n_terms = 17, n_distortion_terms = 2;        // of TriangleTerms; of TriangleDistortion
-constexpr std::size_t most_scratch_bytes = std::size_t{64} << 20;  // of a part of a batch, for what is not a result
-
-/// Invocations that share a triangle: a register of floats where the CPU computes, else a warp of NVIDIA's.
-int lanes_on(const GraphicsDevice& device) { return device.is_software ? 8 : 32; }
-
-std::string defines(int lanes, bool with_derivatives) {
-    return "#define LANES " + std::to_string(lanes) + "\n#define WITH_DERIVATIVES " + (with_derivatives ? "1" : "0") +
-           "\n#define N_TERMS " + std::to_string(with_derivatives ? n_terms : n_distortion_terms) + "\n";
-}
-
-/// The programs that a batch goes through.
-struct BatchPrograms {
-    BatchPrograms(int lanes, bool with_derivatives)
-        : see("see", with_common(shaders::see), defines(lanes, with_derivatives)),
-          terms("terms", with_common(shaders::terms), defines(lanes, with_derivatives)),
-          reduce("reduce", with_common(shaders::reduce), defines(lanes, with_derivatives)),
-          n_results(with_derivatives ? n_terms : n_distortion_terms) {}
-
-    static std::string with_common(std::string_view shader) {
-        return std::string(shaders::common) + std::string(shader);
-    }
-
-    GlProgram see, terms, reduce;
-    std::size_t n_results;  ///< a triangle
-};
-
-/// The lattices of all numbers of steps, one behind the other, eight floats a sample (shaders/terms.comp).
-std::vector<float> lattice_block() {
-    std::vector<float> block;
-    for (int M = 1; M <= max_lattice_steps; ++M)
-        for (const LatticeSample& s : lattice(M)) {
-            block.insert(block.end(), s.b_single, s.b_single + 3);
-            block.push_back(static_cast<float>(s.weight));
-            block.insert(block.end(), s.middle, s.middle + 3);
-            block.push_back(static_cast<float>(s.corner));
-        }
-    return block;
-}
 
 class OpenGlBackend final : public GpuBackend {
 public:
@@ -76,19 +26,17 @@ public:
         : context_(current(std::move(context))),
           images_(images),
           sampling_(sampling),
-          n_lanes_(static_cast<std::size_t>(lanes_on(context_->device()))),
-          textures_(images, work_),
+          photographs_(images, work_),
           surface_(images),
-          distortion_programs_(lanes_on(context_->device()), false),
-          term_programs_(lanes_on(context_->device()), true) {
-        work_.write<float>(lattices_, lattice_block());
-    }
+          distortions_(context_->device(), false, work_),
+          terms_(context_->device(), true, work_) {}
 
     ~OpenGlBackend() override {
         try {
             context_->make_current();
         } catch (const DeviceError&) {
-            // Then the context takes what it owns with it.
+            // Then the context takes what it owns with it, and none of its names may be deleted in another's.
+            EglContext::make_none_current();
         }
     }
 
@@ -111,19 +59,20 @@ public:
     }
 
     std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
-        const std::vector<float> numbers = compute(distortion_programs_, batch, {});
+        const std::vector<float> numbers = compute(distortions_, batch, {});
         std::vector<TriangleDistortion> result(batch.size());
-        for (std::size_t i = 0; i < batch.size(); ++i) result[i] = distortion_of(&numbers[i * n_distortion_terms]);
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            result[i] = distortion_of(&numbers[i * DeviceTerms::n_distortion_terms]);
         return result;
     }
 
     std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
                                      std::span<const std::array<Vec3, 3>> directions) override {
         assert(batch.size() == directions.size());
-        const std::vector<float> numbers = compute(term_programs_, batch, directions);
+        const std::vector<float> numbers = compute(terms_, batch, directions);
         std::vector<TriangleTerms> result(batch.size());
         for (std::size_t i = 0; i < batch.size(); ++i) {
-            const float* from = &numbers[i * n_terms];
+            const float* from = &numbers[i * DeviceTerms::n_terms];
             result[i].distortion = distortion_of(from);
             std::copy_n(from + 2, 3, result[i].gradient.begin());
             std::copy_n(from + 5, 6, result[i].hessian.begin());
@@ -133,6 +82,16 @@ public:
         return result;
     }
 
+    RoundOutcome optimise_round(const OptimiseRound& round, std::vector<Vec3>& vertices, double damping) override {
+        const OptimiseOptions& options = round.options;
+        set_surface(SurfaceView(vertices, round.triangles), options.level, options.samples_per_px, round.around);
+        if (round.active.empty() || options.steps_per_round < 1) return {false, damping};
+        if (!optimiser_) optimiser_.emplace(context_->device());
+        std::vector<double> pixel_sizes(pixel_sizes_);
+        for (double& size : pixel_sizes) size = std::ldexp(size, level_);
+        return optimiser_->run(round, vertices, damping, surface_, terms_, scene(), pixel_sizes, work_);
+    }
+
     double pixel_size(std::int32_t face) const override { return std::ldexp(pixel_sizes_[at(face)], level_); }
     int n_levels() const override { return images_.n_levels(); }
     const DeviceWork& work() const override { return work_; }
@@ -140,7 +99,7 @@ public:
     void finish() override {
         context_->make_current();
         glFinish();
-        check_gl("glFinish");
+        check_gl_and_reset("glFinish");
     }
 
 private:
@@ -153,59 +112,19 @@ private:
         return {static_cast<double>(from[0]), static_cast<double>(from[1])};
     }
 
+    TermsScene scene() const { return {surface_, photographs_, cameras_, sizes_, images_.views.size(), level_}; }
+
     /// The results of a batch, in its order. @param directions  empty: none are needed
-    std::vector<float> compute(const BatchPrograms& programs, std::span<const TriangleQuery> batch,
+    std::vector<float> compute(DeviceTerms& terms, std::span<const TriangleQuery> batch,
                                std::span<const std::array<Vec3, 3>> directions) {
         if (batch.empty()) return {};
         context_->make_current();
         work_.write<DeviceQuery>(queries_, on_device(batch, directions));
-        results_.reserve(sizeof(float) * programs.n_results * batch.size());
-        const std::size_t n_views = images_.views.size();
-        const std::size_t lane_bytes = sizeof(float) * programs.n_results * n_lanes_;
-        const std::size_t part = std::max<std::size_t>(
-            1, std::min(most_scratch_bytes / (pair_size * n_views), most_scratch_bytes / lane_bytes));
-        pairs_.reserve(pair_size * n_views * std::min(part, batch.size()));
-        partials_.reserve(lane_bytes * std::min(part, batch.size()));
-        for (std::size_t first = 0; first < batch.size(); first += part)
-            compute_part(programs, first, std::min(part, batch.size() - first));
-        std::vector<float> numbers(programs.n_results * batch.size());
-        work_.read<float>(results_, numbers);
+        terms.run(queries_, batch.size(), scene(),
+                  [&](const GlProgram& program, std::size_t n) { work_.run(program, n); });
+        std::vector<float> numbers(terms.n_results() * batch.size());
+        work_.read<float>(terms.results(), numbers);
         return numbers;
-    }
-
-    void compute_part(const BatchPrograms& programs, std::size_t first, std::size_t n) {
-        const auto n_views = static_cast<std::int32_t>(images_.views.size());
-        const auto first_query = static_cast<std::int32_t>(first), n_queries = static_cast<std::int32_t>(n);
-        for (const GlProgram* program : {&programs.see, &programs.terms, &programs.reduce}) {
-            program->set(0, first_query);
-            program->set(1, n_queries);
-        }
-        queries_.bind(0);
-        surface_.faces().bind(1);
-        surface_.sights().bind(2);
-        cameras_.bind(3);
-        sizes_.bind(4);
-        pairs_.bind(5);
-        programs.see.set(2, n_views);
-        work_.run(programs.see, n * at(n_views));
-
-        pairs_.bind(2);
-        lattices_.bind(3);
-        surface_.triangles().bind(4);
-        surface_.corner_weights().bind(5);
-        partials_.bind(6);
-        surface_.depth_sizes().bind(7);
-        textures_.bind(0);
-        surface_.inverse_depth().bind_sampler(1);
-        programs.terms.set(2, n_views);
-        programs.terms.set(3, level_);
-        programs.terms.set(4, std::ldexp(1.0F, level_));
-        programs.terms.set(5, std::ldexp(1.0F, -surface_.depth_level()));
-        work_.run(programs.terms, n * n_lanes_);
-
-        partials_.bind(0);
-        results_.bind(1);
-        work_.run(programs.reduce, n * programs.n_results);
     }
 
     static std::vector<DeviceQuery> on_device(std::span<const TriangleQuery> batch,
@@ -228,12 +147,12 @@ private:
     const PhotoImages& images_;
     Sampling sampling_;
     int level_ = 0;
-    std::size_t n_lanes_;
     DeviceWork work_;
-    PhotoTextures textures_;
+    PhotoTextures photographs_;
     GpuSurface surface_;
-    BatchPrograms distortion_programs_, term_programs_;
-    GlBuffer lattices_, cameras_, sizes_, queries_, pairs_, partials_, results_;
+    DeviceTerms distortions_, terms_;
+    std::optional<GpuOptimiser> optimiser_;
+    GlBuffer cameras_, sizes_, queries_;
     std::vector<double> pixel_sizes_;
 };
 

@@ -17,17 +17,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 static_assert(sizeof(DeviceFace) == 24 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12, "as the shaders read them");
 
-std::string with_common(std::string_view shader) { return std::string(shaders::common) + std::string(shader); }
-
 std::string max_steps() { return "#define MAX_STEPS " + std::to_string(max_lattice_steps) + "\n"; }
 
 }  // namespace
 
 GpuSurface::GpuSurface(const PhotoImages& images)
     : images_(images),
-      project_("project", with_common(shaders::project)),
-      rasterise_("rasterise", with_common(shaders::rasterise)),
-      find_("sights", with_common(shaders::sights), max_steps()) {}
+      depth_pass_(camera_block_stride),
+      find_("sights", shaders::with_common(shaders::sights), max_steps()) {}
 
 void GpuSurface::set(const SurfaceView& surface, int level, double samples_per_px, std::span<const std::int32_t> faces,
                      Sampling sampling, DeviceWork& work) {
@@ -51,15 +48,15 @@ void GpuSurface::set(const SurfaceView& surface, int level, double samples_per_p
             width = std::max(width, view.levels[at(depth_level)].width);
             height = std::max(height, view.levels[at(depth_level)].height);
         }
-        inverse_depth_.reset();
-        inverse_depth_.emplace(width, height, images_.n_views(), 1);
+        depth_.inverse_depth.reset();
+        depth_.inverse_depth.emplace(width, height, images_.n_views(), 1);
         depth_level_ = depth_level;
     }
     std::vector<double> tolerances;
     for (const PhotoView& view : images_.views)
         tolerances.push_back(std::ldexp(options.tolerance_px, depth_level) / view.focal_px);
-    work.write<double>(cameras_, camera_block(images_, depth_level, tolerances));
-    work.write<std::int32_t>(depth_sizes_, size_block(images_, depth_level));
+    work.write<double>(depth_.cameras, camera_block(images_, depth_level, tolerances));
+    work.write<std::int32_t>(depth_.sizes, size_block(images_, depth_level));
 
     std::vector<std::int32_t> all;
     if (faces.empty()) {
@@ -67,7 +64,7 @@ void GpuSurface::set(const SurfaceView& surface, int level, double samples_per_p
         std::iota(all.begin(), all.end(), 0);
         faces = all;
     }
-    render(surface, work);
+    depth_pass_.render(mesh(), images_.views.size(), depth_, work);
     find_sights(faces, level, samples_per_px, work);
     if (sampling == Sampling::adaptive) return;
     // How many samples every face gets depends on all of them.
@@ -79,25 +76,6 @@ void GpuSurface::set(const SurfaceView& surface, int level, double samples_per_p
     work.write<DeviceFace>(faces_, found);
 }
 
-void GpuSurface::render(const SurfaceView& surface, DeviceWork& work) {
-    const std::size_t n_views = images_.views.size();
-    screen_.reserve(16 * n_views * n_vertices_);
-    vertices_.bind(0);
-    cameras_.bind(1);
-    screen_.bind(2);
-    project_.set(0, surface.n_vertices());
-    work.run(project_, n_vertices_, n_views);
-
-    inverse_depth_->clear();
-    triangles_.bind(0);
-    screen_.bind(1);
-    depth_sizes_.bind(2);
-    inverse_depth_->bind_image(0);
-    rasterise_.set(0, surface.n_faces());
-    rasterise_.set(1, surface.n_vertices());
-    work.run(rasterise_, n_faces_, n_views);
-}
-
 void GpuSurface::find_sights(std::span<const std::int32_t> faces, int level, double samples_per_px, DeviceWork& work) {
     const std::size_t n_views = images_.views.size();
     work.write(asked_, faces);
@@ -105,13 +83,13 @@ void GpuSurface::find_sights(std::span<const std::int32_t> faces, int level, dou
     faces_.clear(sizeof(DeviceFace) * n_faces_);  // the others are seen by no view
     vertices_.bind(0);
     triangles_.bind(1);
-    cameras_.bind(2);
-    screen_.bind(3);
-    depth_sizes_.bind(4);
+    depth_.cameras.bind(2);
+    depth_.screen.bind(3);
+    depth_.sizes.bind(4);
     asked_.bind(5);
     sights_.bind(6);
     faces_.bind(7);
-    inverse_depth_->bind_sampler(0);
+    depth_.inverse_depth->bind_sampler(0);
     find_.set(0, static_cast<std::int32_t>(faces.size()));
     find_.set(1, static_cast<std::int32_t>(n_vertices_));
     find_.set(2, static_cast<std::int32_t>(n_views));

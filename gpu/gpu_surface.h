@@ -1,14 +1,13 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/sampling.h"
 #include "core/reconstruction/surface_view.h"
+#include "gpu/depth_pass.h"
 #include "gpu/device_work.h"
-#include "gpu/gl_texture_array.h"
 
 namespace anyrate {
 
@@ -35,9 +34,11 @@ public:
     const GlBuffer& sights() const { return sights_; }
     const GlBuffer& triangles() const { return triangles_; }
     const GlBuffer& corner_weights() const { return corner_weights_; }  ///< 1 / valence of each vertex
-    const GlBuffer& depth_sizes() const { return depth_sizes_; }
-    const GlTextureArray& inverse_depth() const { return *inverse_depth_; }
+    const GlBuffer& depth_sizes() const { return depth_.sizes; }
+    const GlTextureArray& inverse_depth() const { return *depth_.inverse_depth; }
     int depth_level() const { return depth_level_; }
+    /// Shaders may move its vertices once set() is done: what is known of the surface stays as it was before.
+    DeviceMesh mesh() const { return {vertices_, triangles_, n_vertices_, n_faces_}; }
 
     /// The faces as the device has them. Waits for it.
     std::vector<DeviceFace> read_faces(DeviceWork& work) const;
@@ -46,13 +47,13 @@ public:
     std::vector<std::int32_t> read_sights(DeviceWork& work) const;
 
 private:
-    void render(const SurfaceView& surface, DeviceWork& work);
     void find_sights(std::span<const std::int32_t> faces, int level, double samples_per_px, DeviceWork& work);
 
     const PhotoImages& images_;
-    GlProgram project_, rasterise_, find_;
-    GlBuffer vertices_, triangles_, corner_weights_, cameras_, depth_sizes_, screen_, asked_, sights_, faces_;
-    std::optional<GlTextureArray> inverse_depth_;
+    DepthPass depth_pass_;
+    GlProgram find_;
+    DepthMaps depth_;
+    GlBuffer vertices_, triangles_, corner_weights_, asked_, sights_, faces_;
     int depth_level_ = -1;
     std::size_t n_vertices_ = 0, n_faces_ = 0;
 };

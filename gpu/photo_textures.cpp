@@ -31,7 +31,7 @@ PhotoTextures::PhotoTextures(const PhotoImages& images, DeviceWork& work)
 
 std::vector<double> camera_block(const PhotoImages& images, int level, std::span<const double> of_view) {
     std::vector<double> block;
-    block.reserve(16 * images.views.size());
+    block.reserve(camera_block_stride * images.views.size());
     for (std::size_t i = 0; i < images.views.size(); ++i) {
         const PhotoView& view = images.views[i];
         const Mat34& P = view.levels[at(level)].P;

@@ -20,8 +20,10 @@ private:
     GlTextureArray texture_;
 };
 
-/// The cameras of a level as shaders read them, 16 numbers a view: P by rows, the centre of projection, and what the
-/// caller knows of each view.
+constexpr std::size_t camera_block_stride = 16;
+
+/// The cameras of a level as shaders read them, camera_block_stride numbers a view: P by rows, the centre of
+/// projection, and what the caller knows of each view.
 /// @param of_view  one a view
 std::vector<double> camera_block(const PhotoImages& images, int level, std::span<const double> of_view);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/reconstruction/optimise_round.h"
 
 namespace anyrate {
 namespace {
@@ -61,6 +62,25 @@ public:
         return answer([&] { return backend_->terms(batch, directions); });
     }
 
+    RoundOutcome optimise_round(const OptimiseRound& round, std::vector<Vec3>& vertices, double damping) override {
+        if (is_cpu_) return backend_->optimise_round(round, vertices, damping);
+        kept_ = {vertices,
+                 {round.triangles.begin(), round.triangles.end()},
+                 round.options.level,
+                 round.options.samples_per_px,
+                 {round.around.begin(), round.around.end()}};
+        if (round.is_first) looked_at_ = vertices;
+        try {
+            return backend_->optimise_round(round, vertices, damping);
+        } catch (const DeviceError& error) {
+            vertices = kept_.vertices;
+            // What the silhouettes saw may have been on the device alone.
+            round.silhouettes.look(SurfaceView(looked_at_, round.triangles));
+            take_over(error);
+        }
+        return backend_->optimise_round(round, vertices, damping);
+    }
+
     double pixel_size(std::int32_t face) const override { return backend_->pixel_size(face); }
     int n_levels() const override { return backend_->n_levels(); }
 
@@ -83,6 +103,7 @@ private:
         is_cpu_ = true;
         kept_.set_on(*backend_);
         kept_ = {};
+        looked_at_ = {};
     }
 
     const PhotoImages& images_;
@@ -90,7 +111,8 @@ private:
     DeviceFailureFn on_failure_;
     std::unique_ptr<PhotoBackend> backend_;
     bool is_cpu_ = false;
-    KeptSurface kept_;  // while a device is asked
+    KeptSurface kept_;             // while a device is asked
+    std::vector<Vec3> looked_at_;  // by the silhouettes of the last optimise_surface()
 };
 
 }  // namespace

@@ -10,9 +10,6 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-constexpr int max_cg_iterations = 60;
-constexpr double cg_tolerance = 1e-3;  ///< of the residual's norm: the step is damped and clamped anyway
-
 double dot(std::span<const double> a, std::span<const double> b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];

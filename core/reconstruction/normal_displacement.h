@@ -8,6 +8,9 @@
 
 namespace anyrate {
 
+constexpr int max_cg_iterations = 60;
+constexpr double cg_tolerance = 1e-3;  ///< of the residual's norm: the step is damped and clamped anyway
+
 /// The energy of a surface as a quadratic function of normal displacements u of its active vertices, around u = 0:
 /// photo-consistency (Gauss-Newton), silhouettes, and bending. World units for u.
 ///

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/tangential.h"
 
 namespace anyrate {
@@ -19,29 +20,29 @@ constexpr double noisy_psi = 600;       ///< where smoothness counts twice and s
 constexpr double noisy_bending = 0.04;  ///< added to the weight of bending there
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
+constexpr double more_damping = 8, less_damping = 4, least_damping = 1e-4;
 
 /// What the vertices, their one-rings and the batch of faces are while one round lasts.
 class Round {
 public:
-    Round(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
-          std::span<const Triangle> triangles, const OneRings& rings, std::span<const std::int32_t> active,
-          std::span<const std::int32_t> around, std::span<const std::int32_t> faces, const OptimiseOptions& options)
+    Round(PhotoBackend& backend, const OptimiseRound& round, std::vector<Vec3>& vertices)
         : backend_(backend),
-          silhouettes_(silhouettes),
+          silhouettes_(round.silhouettes),
           vertices_(vertices),
-          triangles_(triangles),
-          rings_(rings),
-          active_(active),
-          faces_(faces),
-          options_(options) {
+          triangles_(round.triangles),
+          rings_(round.rings),
+          active_(round.active),
+          faces_(round.faces),
+          options_(round.options) {
         const SurfaceView surface(vertices_, triangles_);
-        backend_.set_surface(surface, options.level, options.samples_per_px, around);
+        if (round.is_first) silhouettes_.look(surface);
+        backend_.set_surface(surface, options_.level, options_.samples_per_px, round.around);
         const std::vector<double> edges = mean_edge_lengths(surface, rings_);
         for (std::int32_t v : active_) {
             double pixel = 0;
             for (std::int32_t f : rings_.faces(v)) pixel += backend_.pixel_size(f);
             pixel /= static_cast<double>(rings_.faces(v).size());
-            step_limits_.push_back(std::min(options.max_step_px * pixel, max_step_edges * edges[at(v)]));
+            step_limits_.push_back(std::min(options_.max_step_px * pixel, max_step_edges * edges[at(v)]));
             silhouette_weights_.push_back(edges[at(v)] / pixel);  // contour length in pixels; see weigh()
         }
         look();
@@ -59,7 +60,7 @@ public:
         const double before = energy_;
         const std::vector<Vec3> start(vertices_);
         const std::vector<Vec3> start_normals(normals_);
-        for (int trial = 0; trial < most_trials; ++trial, damping *= 8) {
+        for (int trial = 0; trial < most_trials; ++trial, damping *= more_damping) {
             const std::vector<double> u = quadratic.solve(damping);
             for (std::size_t i = 0; i < active_.size(); ++i) {
                 const std::size_t v = at(active_[i]);
@@ -69,7 +70,7 @@ public:
             look();
             energy_ = evaluate();
             if (energy_ < before) {
-                damping = std::max(damping / 4, 1e-4);
+                damping = std::max(damping / less_damping, least_damping);
                 return energy_ < before * (1 - converged);
             }
         }
@@ -174,6 +175,29 @@ bool has_guessed_corner(const Triangle& t, std::span<const char> is_guessed) {
 
 }  // namespace
 
+RoundRules round_rules() {
+    return {.most_trials = most_trials,
+            .more_damping = more_damping,
+            .less_damping = less_damping,
+            .least_damping = least_damping,
+            .max_step_edges = max_step_edges,
+            .clean_psi = clean_psi,
+            .noisy_psi = noisy_psi,
+            .noisy_bending = noisy_bending,
+            .weak_evidence = weak_evidence,
+            .converged = converged};
+}
+
+RoundOutcome PhotoBackend::optimise_round(const OptimiseRound& round, std::vector<Vec3>& vertices, double damping) {
+    Round steps(*this, round, vertices);
+    bool falls = false;
+    for (int s = 0; s < round.options.steps_per_round; ++s) {
+        if (!steps.step(damping, s + 1 == round.options.steps_per_round)) break;
+        falls = true;
+    }
+    return {falls, damping};
+}
+
 bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
                       std::span<const Triangle> triangles, std::span<const std::int32_t> active,
                       std::span<const char> is_guessed, const OptimiseOptions& options, const std::stop_token& stop) {
@@ -188,18 +212,15 @@ bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vect
     const std::vector<std::int32_t> around = faces_around(rings, active);
     std::vector<std::int32_t> faces = around;
     std::erase_if(faces, [&](std::int32_t f) { return has_guessed_corner(triangles[at(f)], is_guessed); });
-    silhouettes.look({vertices, triangles});  // once: what comes and goes beyond a contour is soon told
+    OptimiseRound round{triangles, rings, active, around, faces, options, silhouettes};
     bool moved = false;
     double damping = first_damping;
     for (int r = 0; r < options.rounds && !stop.stop_requested(); ++r) {
-        Round round(backend, silhouettes, vertices, triangles, rings, active, around, faces, options);
-        bool falls = false;
-        for (int s = 0; s < options.steps_per_round; ++s) {
-            if (!round.step(damping, s + 1 == options.steps_per_round)) break;
-            falls = true;
-        }
-        moved = moved || falls;
-        if (!falls) break;
+        const RoundOutcome outcome = backend.optimise_round(round, vertices, damping);
+        round.is_first = false;  // the silhouettes look once: what comes and goes beyond a contour is soon told
+        damping = outcome.damping;
+        moved = moved || outcome.falls;
+        if (!outcome.falls) break;
         if (options.tangential > 0) slide(vertices, triangles, rings, active, options.tangential);
         damping = std::min(damping, 1.0);
     }

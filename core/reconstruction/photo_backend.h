@@ -29,6 +29,14 @@ struct TriangleTerms {
     std::array<double, 3> middle_gradient{}, middle_hessian{};
 };
 
+struct OptimiseRound;  // optimise_round.h
+
+/// How a round of local optimisation ended.
+struct RoundOutcome {
+    bool falls = false;  ///< whether a step was taken by which the energy falls by enough to go on
+    double damping = 0;  ///< to begin the next round with
+};
+
 /// The seam to the GPU is the algorithm: a batch of triangles in, their distortions out. Implementations hold the
 /// images and the visibility of the current surface; every result is in the order of the batch and the same for any
 /// number of threads. One contract suite runs on all of them (tests/contract/photo_backend_contract.h).
@@ -49,6 +57,14 @@ public:
     /// The same with derivatives along `directions` (unit vectors, one per corner: the vertex normals).
     virtual std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
                                              std::span<const std::array<Vec3, 3>> directions) = 0;
+
+    /// A round of optimise_surface(): makes the surface the current one as set_surface() does, and moves the active
+    /// vertices of all its neighbourhoods together by up to `steps_per_round` steps. This default is the rule: it asks
+    /// terms() at each trial and does all else on the CPU. A device may take all steps of the round by itself and give
+    /// back no more than where the vertices went.
+    /// @param vertices  of the surface; the active ones are moved. Where it throws they may be anywhere
+    /// @param damping   of the first step
+    virtual RoundOutcome optimise_round(const OptimiseRound& round, std::vector<Vec3>& vertices, double damping);
 
     /// World size of a pixel of the current level at a face of the current surface.
     virtual double pixel_size(std::int32_t face) const = 0;

@@ -15,7 +15,6 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 constexpr double eighths = 8.0;
 constexpr int max_coverage_side = 1024;  ///< of the coverage images
-constexpr double beyond_px = 2.0;        ///< how far outside a rim vertex the surface has to end
 
 /// Lower envelope of the parabolas (x - i)^2 + f[i]: the exact one-dimensional squared distance transform.
 /// Source: Felzenszwalb and Huttenlocher 2012, "Distance Transforms of Sampled Functions".
@@ -105,7 +104,7 @@ Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) 
             const auto& view = capture.views[i];
             views_[i].P = view.camera.P();
             views_[i].centre = view.camera.centre();
-            views_[i].distance = silhouette_distance(view.mask);
+            views_[i].distance = std::make_shared<Image<std::int8_t>>(silhouette_distance(view.mask));
             PhotoLevel& level = views_[i].coverage_level;
             level.width = view.mask.width;
             level.height = view.mask.height;
@@ -147,7 +146,7 @@ SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const V
     const Vec3 x = view.P * point.homogeneous();
     if (x.z() <= 0) return term;
     const double u = x.x() / x.z(), v = x.y() / x.z();
-    const Image<std::int8_t>& image = view.distance;
+    const Image<std::int8_t>& image = *view.distance;
     if (!(u >= 0 && v >= 0 && u < image.width - 1 && v < image.height - 1)) return term;
     const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
     const double fu = u - x0, fv = v - y0;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -41,15 +42,19 @@ public:
     std::vector<SilhouetteTerm> terms(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                                       std::span<const std::int32_t> vertices, double reach_px) const;
 
-private:
     struct View {
         Mat34 P;
         Vec3 centre;
-        Image<std::int8_t> distance;
-        PhotoLevel coverage_level;  ///< its camera at half the resolution or less; no colours
-        double coverage_scale = 1;  ///< of a pixel of the photograph at that level
-        Image<float> coverage;      ///< inverse depth, 0 where there is no surface
+        std::shared_ptr<const Image<std::int8_t>> distance;  ///< silhouette_distance(), never changed
+        PhotoLevel coverage_level;                           ///< its camera at half the resolution or less; no colours
+        double coverage_scale = 1;                           ///< of a pixel of the photograph at that level
+        Image<float> coverage;  ///< inverse depth of the last look(), 0 where there is no surface
     };
+    /// For who computes the terms elsewhere than on the CPU.
+    std::span<const View> views() const { return views_; }
+    static constexpr double beyond_px = 2.0;  ///< how far outside a rim vertex the surface has to end
+
+private:
     static bool is_covered(const View& view, const Vec2& pixel);
     template <class IsOnRim>
     static SilhouetteTerm term_in(const View& view, const Vec3& point, const Vec3& normal, double reach_px,

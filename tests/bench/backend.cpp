@@ -1,11 +1,13 @@
 // What a backend does in a second: the CPU, and the OpenGL device of this machine (Mesa's llvmpipe if it has no other).
-// Needs no file: the scene is rendered first. On a machine without this project's packages: pack_backend.sh.
+// Needs no file: a painted torus is rendered first. On a machine without this project's packages: pack_backend.sh.
 //
 // usage: backend [--views 22] [--width 640] [--height 480] [--vertices 10000] [--repeat 5] [--cpu-only]
-// prints {"machine", "scene", "backends": [{"name", "stages": {"upload", "set_surface", "distortions", "terms"}}],
-// "device", "roofline"}: a stage has the median of its wall seconds, dispatches and bytes moved of one call and, where
-// samples are looked at, their rate (a lattice point in one view is a sample). The roofline says what the device does
-// at most (measured: multiply-adds from registers, copies of memory) and what time the stages would take at that.
+// prints {"machine", "scene", "backends": [{"name", "stages": {"upload", "set_surface", "distortions", "terms",
+// "optimise_round"}}], "device", "roofline"}: a stage has the median of its wall seconds, dispatches and bytes moved of
+// one call and, where samples are looked at, their rate (a lattice point in one view is a sample). "optimise_round" is
+// a round as the refinement takes it, set_surface included: three steps of the neighbourhoods of a batch. The roofline
+// says what the device does at most (measured: multiply-adds from registers, copies of memory) and what time the stages
+// would take at that.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,10 +18,12 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/mesh/remesh.h"
+#include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/sampling.h"
+#include "core/reconstruction/silhouette_term.h"
 #include "core/reconstruction/visibility.h"
+#include "core/simulation/parametric_meshes.h"
 #include "core/simulation/simulate.h"
 #include "gpu/egl_context.h"
 #include "gpu/gl_buffer.h"
@@ -63,15 +67,47 @@ std::string cpu_name() {
 /// The surface that is looked at, and how often.
 struct Subject {
     Mesh mesh;
+    OneRings rings;
+    Silhouettes silhouettes;
+    std::vector<std::int32_t> active, around;  ///< neighbourhoods of seven vertices, and the faces around them
     std::vector<TriangleQuery> batch;
     std::vector<std::array<Vec3, 3>> directions;
     double n_samples = 0;     ///< lattice points, each in every view that sees its face
     double object_bytes = 0;  ///< of the pixels that show the object
 };
 
+/// The torus of the scene of that name, its vertices a hundredth of the tube off.
+Mesh surface_of_scene(int n_vertices) {
+    constexpr double major_radius = 0.75, minor_radius = 0.30;
+    const int n_across = std::max(3, static_cast<int>(std::lround(std::sqrt(n_vertices / 2.5))));
+    Mesh mesh = torus(major_radius, minor_radius, std::max(3, n_vertices / n_across), n_across);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        mesh.vertices[v] *= 1 + 0.01 * minor_radius * std::sin(static_cast<double>(7 * v));
+    return mesh;
+}
+
+/// One-rings that share no vertex, as the splits of a batch.
+std::vector<std::int32_t> neighbourhoods(const OneRings& rings, int n_vertices) {
+    std::vector<char> is_active(static_cast<std::size_t>(n_vertices), 0);
+    const auto active = [&](std::int32_t v) -> char& { return is_active[static_cast<std::size_t>(v)]; };
+    for (std::int32_t v = 0; v < n_vertices; ++v) {
+        const auto ring = rings.neighbours(v);
+        if (active(v) != 0 || std::ranges::any_of(ring, [&](std::int32_t w) { return active(w) != 0; })) continue;
+        active(v) = 1;
+        for (const std::int32_t w : ring) active(w) = 1;
+    }
+    std::vector<std::int32_t> list;
+    for (std::int32_t v = 0; v < n_vertices; ++v)
+        if (active(v) != 0) list.push_back(v);
+    return list;
+}
+
 Subject make_subject(const Simulation& simulation, const PhotoImages& images, int n_vertices) {
-    Subject subject;
-    subject.mesh = remesh_isotropic(simulation.ground_truth, {.n_vertices = n_vertices});
+    Mesh mesh = surface_of_scene(n_vertices);
+    OneRings rings(mesh);
+    Subject subject{std::move(mesh), std::move(rings), Silhouettes(simulation.capture), {}, {}, {}, {}};
+    subject.active = neighbourhoods(subject.rings, subject.mesh.n_vertices());
+    subject.around = faces_around(subject.rings, subject.active);
     subject.batch = whole_surface(subject.mesh);
     subject.directions = corner_normals(subject.mesh);
     const Visibility visibility(images, subject.mesh);
@@ -87,7 +123,7 @@ Subject make_subject(const Simulation& simulation, const PhotoImages& images, in
 }
 
 /// The stages of a backend. @param device  the same backend, if it is a device
-Json stages(PhotoBackend& backend, GpuBackend* device, const Subject& subject, int n_repeat) {
+Json stages(PhotoBackend& backend, GpuBackend* device, Subject& subject, int n_repeat) {
     Json result = Json::object();
     const auto measure = [&](const char* name, double n_samples, const std::function<void()>& call) {
         const auto finished = [&] {
@@ -113,6 +149,13 @@ Json stages(PhotoBackend& backend, GpuBackend* device, const Subject& subject, i
     measure("set_surface", 0, [&] { backend.set_surface(subject.mesh, 0, 1.0); });
     measure("distortions", subject.n_samples, [&] { backend.distortions(subject.batch); });
     measure("terms", subject.n_samples, [&] { backend.terms(subject.batch, subject.directions); });
+    const OptimiseOptions options{.rounds = 1, .tangential = 0, .bending = 0.01};
+    const OptimiseRound round{subject.mesh.triangles, subject.rings, subject.active,     subject.around,
+                              subject.around,         options,       subject.silhouettes};
+    measure("optimise_round", 0, [&] {
+        std::vector<Vec3> vertices = subject.mesh.vertices;
+        backend.optimise_round(round, vertices, 0.1);
+    });
     return result;
 }
 
@@ -186,15 +229,16 @@ Json roofline(const Subject& subject, int n_repeat) {
 }
 
 Json measure(const Request& request) {
-    const Simulation simulation = simulate_scene("vessel", request.scene);
+    const Simulation simulation = simulate_scene("torus", request.scene);
     const PhotoImages images = make_photo_images(simulation.capture);
-    const Subject subject = make_subject(simulation, images, request.n_vertices);
+    Subject subject = make_subject(simulation, images, request.n_vertices);
     Json result = {{"machine", {{"cpu", cpu_name()}, {"cores", std::thread::hardware_concurrency()}}},
                    {"scene",
                     {{"views", request.scene.n_views},
                      {"width", request.scene.width},
                      {"height", request.scene.height},
                      {"vertices", subject.mesh.n_vertices()},
+                     {"active", subject.active.size()},
                      {"samples", subject.n_samples}}},
                    {"backends", Json::array()}};
     const auto cpu = make_cpu_backend(images);

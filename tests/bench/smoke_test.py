@@ -70,6 +70,9 @@ class Smoke(unittest.TestCase):
         device = result["backends"][1]["stages"]
         self.assertEqual(device["terms"]["dispatches"], 3)
         self.assertGreater(device["upload"]["bytes_up"], 6 * 96 * 72 * 4)
+        # Nothing of a round comes back but the vertices, three doubles each, and how it ended.
+        self.assertLess(device["optimise_round"]["bytes_down"], 24 * result["scene"]["vertices"] + 256)
+        self.assertGreater(device["optimise_round"]["dispatches"], 10)
         self.assertGreater(result["roofline"]["operations_per_second"], 0)
         self.assertGreater(result["roofline"]["bytes_per_second"], 0)
 

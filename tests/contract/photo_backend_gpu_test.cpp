@@ -2,14 +2,21 @@
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "gpu/egl_context.h"
 #include "gpu/gpu_backend.h"
+#include "optimise_round_contract.h"
 #include "photo_backend_contract.h"
 
 using namespace anyrate;
 
-TEST_CASE("PhotoBackend contract: the GPU backend keeps it") {
-    check_photo_backend(
-        [](const PhotoImages& images, Sampling sampling) {
-            return make_gpu_backend(std::make_shared<EglContext>(DeviceChoice::any), images, sampling);
-        },
-        1e-6);
+namespace {
+
+std::unique_ptr<PhotoBackend> make_on_any_device(const PhotoImages& images, Sampling sampling) {
+    return make_gpu_backend(std::make_shared<EglContext>(DeviceChoice::any), images, sampling);
+}
+
+}  // namespace
+
+TEST_CASE("PhotoBackend contract: the GPU backend keeps it") { check_photo_backend(make_on_any_device, 1e-6); }
+
+TEST_CASE("PhotoBackend contract: rounds of local optimisation on the GPU backend keep it") {
+    check_optimise_round(make_on_any_device, 1e-3);
 }

@@ -2,10 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
+#include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/reconstruct.h"
 #include "tests/scenes.h"
 
@@ -84,7 +86,7 @@ TEST_CASE("FallbackBackend: a device that fails in the middle of a job leaves th
     REQUIRE(expected.is_finished);
     REQUIRE(expected.hashes.size() > 2);
     // While it is made, at its first surface, at the first question, in the coarse mesh and in the refinement.
-    for (const int n_calls : {0, 1, 17, 60}) {
+    for (const int n_calls : {0, 1, 8, 17, 60}) {
         CAPTURE(n_calls);
         std::vector<std::string> warnings;
         const auto warn = [&](const std::string& reason) { warnings.push_back(reason); };
@@ -93,6 +95,54 @@ TEST_CASE("FallbackBackend: a device that fails in the middle of a job leaves th
         CHECK(states.hashes == expected.hashes);
         CHECK(warnings == std::vector<std::string>{"the device is out of memory"});
     }
+}
+
+TEST_CASE("FallbackBackend: a device that fails in a later round of its own leaves the surface that the CPU makes") {
+    /// Looks at the silhouettes on its own, as a device does, and fails in its second round, having moved vertices.
+    class FailingInRounds final : public PhotoBackend {
+    public:
+        explicit FailingInRounds(const PhotoImages& images) : cpu_(make_cpu_backend(images)) {}
+        void set_surface(const SurfaceView& surface, int level, double samples_per_px,
+                         std::span<const std::int32_t> faces) override {
+            cpu_->set_surface(surface, level, samples_per_px, faces);
+        }
+        std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
+            return cpu_->distortions(batch);
+        }
+        std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
+                                         std::span<const std::array<Vec3, 3>> directions) override {
+            return cpu_->terms(batch, directions);
+        }
+        RoundOutcome optimise_round(const OptimiseRound& round, std::vector<Vec3>& vertices, double damping) override {
+            if (round.is_first) own_ = round.silhouettes;
+            const OptimiseRound on_device{round.triangles, round.rings,   round.active, round.around,
+                                          round.faces,     round.options, *own_,        round.is_first};
+            const RoundOutcome outcome = cpu_->optimise_round(on_device, vertices, damping);
+            if (!round.is_first) throw DeviceError("the context is lost");
+            return outcome;
+        }
+        double pixel_size(std::int32_t face) const override { return cpu_->pixel_size(face); }
+        int n_levels() const override { return cpu_->n_levels(); }
+
+    private:
+        std::unique_ptr<PhotoBackend> cpu_;
+        std::optional<Silhouettes> own_;
+    };
+    const Capture capture = sphere_capture(8, 128);
+    const PhotoImages images = make_photo_images(capture, 3);
+    int n_warnings = 0;
+    const auto optimised = [&](PhotoBackend& backend) {
+        Silhouettes silhouettes(capture);
+        Mesh mesh = icosphere(3, 0.96);
+        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, {}, {}, {});
+        return mesh.vertices;
+    };
+    const BackendFactory failing = [](const PhotoImages& of, Sampling) {
+        return std::make_unique<FailingInRounds>(of);
+    };
+    const auto backend = with_cpu_fallback(failing, [&](const std::string&) { ++n_warnings; })(images, {});
+    CHECK(optimised(*backend) == optimised(*make_cpu_backend(images)));
+    CHECK(n_warnings == 1);
 }
 
 TEST_CASE("FallbackBackend: where no device can be had the CPU has all of the work") {
