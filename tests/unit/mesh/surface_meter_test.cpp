@@ -4,10 +4,13 @@
 
 #include <numbers>
 #include <numeric>
+#include <random>
 
 #include "core/mesh/coarse_fit.h"
+#include "core/mesh/decimate.h"
 #include "core/mesh/normal_fit.h"
 #include "core/mesh/normals.h"
+#include "core/mesh/triangle_shape.h"
 #include "core/simulation/parametric_meshes.h"
 
 using namespace anyrate;
@@ -82,4 +85,41 @@ TEST_CASE("Coarse fit: a fitted simplification of a sphere is nearer to it than 
     const Mesh coarse = fit_coarse_mesh(sphere, 162, meter);
     CHECK(coarse.n_vertices() <= 162);
     CHECK(total(coarse, surface).squared < total(icosphere(2), surface).squared / 4);
+}
+
+TEST_CASE("Coarse fit: noise of the fitted surface is averaged over, not simplified") {
+    const Mesh clean = icosphere(5);
+    Mesh noisy = clean;
+    std::mt19937 random(7);
+    for (Vec3& v : noisy.vertices) v *= 1 + 0.002 * (2.0 * random() / std::mt19937::max() - 1);
+    const TrueSurface surface(noisy, 100'000), truth(clean, 100'000);
+    SurfaceMeter meter(surface), again(surface);
+    Mesh in_one_stage = decimate(noisy, 600);
+    std::vector<std::int32_t> all(in_one_stage.vertices.size());
+    std::iota(all.begin(), all.end(), 0);
+    fit_along_normals(in_one_stage, all, meter, {.rounds = 3});
+    CHECK(total(fit_coarse_mesh(noisy, 600, again), truth).squared < total(in_one_stage, truth).squared);
+}
+
+TEST_CASE("Normal fit: no move turns a face over, however far the surface is") {
+    // A thin lens inside the unit sphere: its two sides are drawn outward, at the rim past each other.
+    Mesh lens = icosphere(3);
+    for (Vec3& v : lens.vertices) v.z() *= 0.02;
+    const TrueSurface surface(icosphere(5), 60'000);
+    SurfaceMeter meter(surface);
+    const Mesh before = lens;
+    std::vector<std::int32_t> all(lens.vertices.size());
+    std::iota(all.begin(), all.end(), 0);
+    fit_along_normals(lens, all, meter, {.most_edges = 2});
+    bool any_moved = false;
+    for (const auto& [a, b, c] : lens.triangles) {
+        const auto normal_in = [&](const Mesh& mesh) {
+            const auto at = [&](std::int32_t v) { return mesh.vertices[static_cast<std::size_t>(v)]; };
+            return twice_area_vector(at(a), at(b), at(c)).normalized();
+        };
+        CHECK(normal_in(before).dot(normal_in(lens)) >= 0.5 - 1e-12);
+        any_moved =
+            any_moved || lens.vertices[static_cast<std::size_t>(a)] != before.vertices[static_cast<std::size_t>(a)];
+    }
+    CHECK(any_moved);
 }
