@@ -12,8 +12,8 @@ namespace anyrate {
 
 namespace {
 
-constexpr double step_down = 0.85;        ///< vertices of a stage, in parts of the one before; 0.7: +3 %, 0.92: no gain
-constexpr double first_stage = 2;         ///< in parts of the coarse mesh: above, there is nothing to gain
+constexpr double step_down = 0.85;  ///< vertices of a stage, in parts of the one before; 0.7: +3 %, 0.92: no gain
+constexpr double first_stage = 2;  ///< in parts of the coarse mesh; with 3 a spot of a pot is 1.3 % of the diagonal off
 constexpr double most_of_an_edge = 0.25;  ///< with 0.5 the lip of a pot turns over: 8 % worse at all later counts
 
 void fit_all(Mesh& mesh, SurfaceMeter& meter, const FitOptions& options) {

@@ -8,7 +8,7 @@
 
 namespace anyrate {
 
-/// Two triangles p q m and q p s that share the edge from p to q.
+/// Two triangles p q m and q p s that share the edge from p to q; grid units.
 struct EdgeQuad {
     LatticeVector p, q, m, s;
 };
