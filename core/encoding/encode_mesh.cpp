@@ -9,14 +9,12 @@
 #include "core/encoding/surface_colours.h"
 #include "core/error.h"
 #include "core/mesh/coarse_fit.h"
-#include "core/mesh/normal_fit.h"
-#include "core/mesh/normals.h"
 #include "core/mesh/surface_meter.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/true_surface.h"
 #include "core/progressive/base_on_grid.h"
 #include "core/progressive/batch_selection.h"
-#include "core/progressive/trial_batch.h"
+#include "core/progressive/surface_approach.h"
 
 namespace anyrate {
 namespace {
@@ -24,8 +22,7 @@ namespace {
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 constexpr int samples_per_vertex = 6;  ///< of the true surface, for each of the finest mesh
 constexpr int fewest_samples = 60'000, most_samples = 2'000'000;
-constexpr int fewest_splits = 128;      ///< of a batch: a packet's tables cost their bytes however few use them
-constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
+constexpr int fewest_splits = 128;  ///< of a batch: a packet's tables cost their bytes however few use them
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -40,27 +37,8 @@ void require_counts(const EncodeMeshOptions& options) {
     require("vertices, no fewer than coarse", options.n_vertices, options.n_coarse);
 }
 
-/// A mesh and how far its faces are from the surface.
-struct Measured {
-    Mesh mesh;
-    std::vector<FaceDistance> faces;
-};
-
-Measured measure(const RefinableMesh& state, SurfaceMeter& meter) {
-    Measured now{state.to_mesh(), {}};
-    now.faces = meter.measure(now.mesh, vertex_normals(now.mesh));
-    return now;
-}
-
-/// Integral of the squared distance, world units to the fourth.
-double squared_distance(const Measured& now) {
-    double sum = 0;
-    for (const FaceDistance& face : now.faces) sum += face.squared;
-    return sum;
-}
-
 /// In squared world units.
-DistortionPoint distortion_of(const Measured& now) {
+DistortionPoint distortion_of(const MeasuredMesh& now) {
     DistortionPoint point;
     double area = 0;
     for (const FaceDistance& face : now.faces) {
@@ -76,16 +54,14 @@ DistortionPoint in_grid_units(const DistortionPoint& point, const Grid& grid) {
     return {point.mean / unit2, point.max / unit2};
 }
 
-/// Area times root mean square distance. Area times mean square spends splits on few bad faces, which often stay bad: a
-/// bust at 10,000 vertices takes 7 % more bytes then for the same mean distance.
-std::vector<double> split_scores(const Measured& now, double smallest_area) {
+/// What a split of each face promises; 0 for a face that is not to be split.
+std::vector<double> split_scores(const MeasuredMesh& now, double smallest_area) {
     const std::size_t n = now.faces.size();
-    std::vector<double> areas(n), scores(n);
+    std::vector<double> areas(n), scores = distance_scores(now);
     for (std::size_t f = 0; f < n; ++f) {
         const auto& [a, b, c] = now.mesh.triangles[f];
         const auto& v = now.mesh.vertices;
         areas[f] = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
-        if (now.faces[f].area > 0) scores[f] = areas[f] * std::sqrt(now.faces[f].squared / now.faces[f].area);
     }
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
@@ -100,26 +76,6 @@ int splits_of_batch(int n_vertices, const EncodeMeshOptions& options) {
     const int wanted = (options.n_vertices - n_vertices) / 3;
     const int grown = std::max(fewest_splits, static_cast<int>(std::lround(options.growth * n_vertices / 3)));
     return wanted < grown + grown / 3 ? wanted : grown;  // a last crumb joins its predecessor
-}
-
-/// Splits the batch on a copy of the state and moves the nine vertices of every split, all together, to where the
-/// squared distance is least.
-BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
-    TrialBatch trial = try_batch(state, batch);
-    const std::vector<double> costs = fit_along_normals(trial.mesh, trial.active, meter, {});
-    BatchTargets targets = targets_of(trial, state.n_vertices());
-    targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
-    targets.new_costs.resize(batch.size());
-    for (std::size_t k = 0; k < batch.size(); ++k)
-        if (const std::int32_t v = trial.first_new[k]; v >= 0)
-            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
-    return targets;
-}
-
-/// What a bit brings as part of a split: the squared distance falls about with the square of the vertices, so that one
-/// more vertex of n lowers it by 2 / n of itself.
-double gain_of_a_bit(const Measured& now) {
-    return 2 * squared_distance(now) / (now.mesh.n_vertices() * bits_per_vertex);
 }
 
 }  // namespace
@@ -141,7 +97,7 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     const RefinementRules rules{.step_ratio = options.step_ratio};
     RefinableMesh state(sink.start(grid, rules, to_base(coarse, grid)), grid, rules);
     SurfaceMeter meter(surface);
-    Measured now = measure(state, meter);
+    MeasuredMesh now = measure(state, meter);
     const auto tell = [&] {
         if (progress) progress({state.n_vertices(), std::sqrt(distortion_of(now).mean)});
     };

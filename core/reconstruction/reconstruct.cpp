@@ -10,7 +10,6 @@
 #include "core/memory.h"
 #include "core/mesh/coarse_fit.h"
 #include "core/mesh/decimate.h"
-#include "core/mesh/nearest_surface.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/subdivide.h"
 #include "core/parallel.h"
@@ -169,22 +168,16 @@ Mesh adapt_to_relief(PhotoBackend& backend, Start& start, const std::stop_token&
     return adapted;
 }
 
+/// What stands for the fitted surface when base and splits are fitted to it.
+TrueSurface sampled(const Mesh& fitted) { return {fitted, samples_per_vertex * fitted.n_vertices()}; }
+
 /// The base of the log: as near to the fitted surface as its few vertices can be. Optimised against the photographs it
 /// is worse, since on facets as coarse as these they disagree whatever one does (pot, 36 views, at 2,500 vertices:
 /// 0.058 % of the diagonal, fitted 0.052 %).
-Mesh fit_base(const Mesh& fitted, int n_vertices) {
-    const TrueSurface surface(fitted, samples_per_vertex * fitted.n_vertices());
-    SurfaceMeter meter(surface);
-    return fit_coarse_mesh(fitted, n_vertices, meter);
+Mesh fit_base(const Mesh& fitted_mesh, const TrueSurface& fitted, int n_vertices) {
+    SurfaceMeter meter(fitted);
+    return fit_coarse_mesh(fitted_mesh, n_vertices, meter);
 }
-
-/// What step 3 looks at.
-struct Scene {
-    const PhotoImages& images;
-    Silhouettes& silhouettes;
-    const GuessedSurface& guessed;
-    const NearestSurface& fitted;
-};
 
 /// The refinement's options, as far as the state at its start decides them.
 RefineOptions refine_options(const ReconstructOptions& options) {
@@ -206,14 +199,14 @@ RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFra
 }
 
 /// Step 3: progressive refinement.
-ReconstructResult refine_from(RefinementPoint point, const Scene& scene, PhotoBackend& backend,
+ReconstructResult refine_from(RefinementPoint point, const RefinementScene& scene, PhotoBackend& backend,
                               const ReconstructOptions& options, ModelSink& sink, const ProgressFn& tell,
                               const std::stop_token& stop, RefinementJournal* journal) {
     RefineOptions refinement = refine_options(options);
     if (options.method == Method::flow) refinement.n_vertices = point.state.n_vertices();
     ReconstructResult result;
     result.curve = refine(
-        point.state, backend, scene.silhouettes, scene.images, scene.guessed, scene.fitted, refinement, sink,
+        point.state, backend, scene, refinement, sink,
         [&](const CurvePoint& reached) {
             if (journal) journal->batch(point.is_rejected);
             const double part = static_cast<double>(reached.n_vertices - options.n_coarse) /
@@ -275,8 +268,8 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     }
     Mesh fitted_mesh = fixed_rate ? mesh : adapt_to_relief(sampler, start, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
-    const NearestSurface fitted(fitted_mesh);
-    if (!fixed_rate) mesh = fit_base(fitted_mesh, n_base);
+    const TrueSurface fitted = sampled(fitted_mesh);
+    if (!fixed_rate) mesh = fit_base(fitted_mesh, fitted, n_base);
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
@@ -324,7 +317,7 @@ ReconstructResult resume(Capture capture, const ReconstructOptions& options, con
         silhouettes.shift_views(shifts);
     }
     const GuessedSurface guessed(start.guess_points, start.guess_reach);
-    const NearestSurface fitted(start.fitted);
+    const TrueSurface fitted = sampled(start.fitted);
     const auto backend = options.backend(images, Sampling::adaptive);
     if (point) {
         point->state.move_grid(start.grid.origin, start.grid.unit);

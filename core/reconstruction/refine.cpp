@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/progressive/batch_selection.h"
 #include "core/progressive/emit_batch.h"
+#include "core/progressive/surface_approach.h"
 #include "core/progressive/trial_batch.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/vertex_colours.h"
@@ -63,23 +64,30 @@ double fitted_gain(const Mesh& mesh, std::span<const Vec3> normals, const Triang
     return gain;
 }
 
-/// What a split of each face promises; 0 for a face that is not to be split.
-std::vector<double> split_scores(const Mesh& mesh, const StateDistortion& now, std::span<const char> is_guessed,
-                                 std::span<const char> is_rejected, const NearestSurface& fitted,
-                                 const RefineOptions& options) {
-    const std::size_t n = mesh.triangles.size();
+/// Decrease of phi that a split of each face promises by what the images say, and by the fitted surface.
+std::vector<double> photo_scores(const Mesh& mesh, const StateDistortion& now, const NearestSurface& fitted) {
     const std::vector<Vec3> normals = vertex_normals(mesh, OneRings(mesh));
-    std::vector<double> areas(n), scores(n);
+    std::vector<double> scores(mesh.triangles.size());
+    parallel_for(scores.size(), [&](std::size_t f) {
+        scores[f] = expected_gain(now.terms[f]) +
+                    fitted_gain(mesh, normals, mesh.triangles[f], now.terms[f], fitted, now.pixel_sizes[f]);
+    });
+    return scores;
+}
+
+/// What a split of each face promises; 0 for a face that is not to be split.
+/// @param scores  what the evidence says; for guesses nothing is evidence
+std::vector<double> split_scores(const Mesh& mesh, std::vector<double> scores, std::span<const char> is_guessed,
+                                 std::span<const char> is_rejected, const RefineOptions& options) {
+    const std::size_t n = mesh.triangles.size();
+    std::vector<double> areas(n);
     const auto is_guess = [&](std::size_t f) {
         return std::ranges::any_of(mesh.triangles[f], [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
     };
-    parallel_for(n, [&](std::size_t f) {
-        const Triangle& t = mesh.triangles[f];
-        areas[f] = face_area(mesh, t);
-        if (options.by_area || is_guess(f) || is_rejected[f] != 0) return;
-        scores[f] =
-            expected_gain(now.terms[f]) + fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]);
-    });
+    for (std::size_t f = 0; f < n; ++f) {
+        areas[f] = face_area(mesh, mesh.triangles[f]);
+        if (options.by_area || is_guess(f) || is_rejected[f] != 0) scores[f] = 0;
+    }
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
     // Area breaks the ties among faces without evidence, so that the budget is met on a plain or unseen surface too;
@@ -166,13 +174,12 @@ struct OptimisedBatch {
 
 /// Splits the batch on a copy of the state, moves the nine vertices of each split to where the images agree most.
 OptimisedBatch optimise_batch(const RefinableMesh& state, const StateDistortion& now,
-                              std::span<const std::int32_t> batch, PhotoBackend& backend, Silhouettes& silhouettes,
-                              const GuessedSurface& guessed, const NearestSurface& fitted, const RefineOptions& options,
-                              const std::stop_token& stop) {
+                              std::span<const std::int32_t> batch, PhotoBackend& backend, const RefinementScene& scene,
+                              const RefineOptions& options, const std::stop_token& stop) {
     TrialBatch trial = try_batch(state, batch);
     Mesh& mesh = trial.mesh;
-    start_on(fitted, mesh, state.n_vertices());
-    const std::vector<char> is_guessed = guessed.vertices(mesh);
+    start_on(scene.fitted.nearest, mesh, state.n_vertices());
+    const std::vector<char> is_guessed = scene.guessed.vertices(mesh);
     std::vector<std::int32_t> active = trial.active;
     std::erase_if(active, [&](std::int32_t v) { return is_guessed[at(v)] != 0; });
     OptimiseOptions optimise;
@@ -182,7 +189,7 @@ OptimisedBatch optimise_batch(const RefinableMesh& state, const StateDistortion&
     optimise.bending = 0.01;  // with 0.04 nefertiti is 3 % and the pot 7 % worse; with 0 faces cut each other
     optimise.samples_per_px = options.samples_per_px;
     if (!active.empty())
-        optimise_surface(backend, silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
+        optimise_surface(backend, scene.silhouettes, mesh.vertices, mesh.triangles, active, is_guessed, optimise, stop);
     if (stop.stop_requested()) return {};  // nobody takes it, and the backend may hold another surface
     std::vector<TriangleDistortion> distortions(mesh.triangles.size());
     if (!active.empty()) {  // the backend still holds the surface
@@ -281,6 +288,53 @@ std::vector<std::int32_t> all_but(int n, std::span<const std::int32_t> batch, co
     return rest;
 }
 
+/// A batch of which the images say that it betters the surface, or if none is found, one that is taken as it is: the
+/// count has to be met.
+/// @param is_rejected  learns of the splits that did harm
+/// @return nullopt if nothing can be split, or on a stop
+std::optional<Step> follow_images(const RefinableMesh& state, const StateDistortion& now, PhotoBackend& backend,
+                                  const RefinementScene& scene, const RefineOptions& options,
+                                  const std::stop_token& stop, std::vector<char>& is_rejected) {
+    const Mesh mesh = state.to_mesh();
+    const std::vector<char> is_guessed = scene.guessed.vertices(mesh);
+    const std::vector<double> evidence = photo_scores(mesh, now, scene.fitted.nearest);
+    const BatchSize size = batch_size(state.n_vertices(), options);
+    for (int n_refusals = 0; !stop.stop_requested();) {
+        const std::vector<double> scores = split_scores(mesh, evidence, is_guessed, is_rejected, options);
+        const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);
+        if (batch.empty()) break;
+        const OptimisedBatch optimised = optimise_batch(state, now, batch, backend, scene, options, stop);
+        if (stop.stop_requested()) break;  // half optimised, it is not the batch that an undisturbed run makes
+        std::optional<Step> step =
+            take_step(state, now, batch, at(size.taken), optimised, backend, options, is_rejected);
+        if (step) return step;
+        if (++n_refusals == most_refusals)
+            return try_step(state, batch, optimised.targets, all_but(size.taken, batch, state, scores), backend,
+                            options);
+    }
+    return std::nullopt;
+}
+
+/// A batch that takes the state nearer to the fitted surface, whatever the images say of it.
+/// @return nullopt if nothing can be split
+std::optional<Step> approach(const RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
+                             const RefineOptions& options) {
+    SurfaceMeter meter(
+        scene.fitted);  // a new one each time: what it remembered, a run that goes on here could not know
+    const MeasuredMesh measured = measure(state, meter);
+    const std::vector<char> none_rejected(measured.faces.size(), 0);
+    const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured),
+                                                    scene.guessed.vertices(measured.mesh), none_rejected, options);
+    const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options).taken);
+    if (batch.empty()) return std::nullopt;
+    const BatchTargets targets = fit_batch(state, batch, meter);
+    Step step{state, {}, {}};
+    step.records =
+        emit_batch(step.state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(measured)});
+    step.distortion = measure_state(backend, step.state, options.samples_per_px);
+    return step;
+}
+
 }  // namespace
 
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px) {
@@ -303,8 +357,7 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     return result;
 }
 
-std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silhouettes& silhouettes,
-                               const PhotoImages& images, const GuessedSurface& guessed, const NearestSurface& fitted,
+std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
                                const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
                                std::vector<char>* rejected) {
@@ -312,34 +365,21 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, Silh
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     std::vector<char> none_rejected;
     std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;
-    for (int n_refusals = 0; state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested();) {
-        const Mesh mesh = state.to_mesh();
-        is_rejected.resize(mesh.triangles.size(), 0);
-        const std::vector<double> scores =
-            split_scores(mesh, now, guessed.vertices(mesh), is_rejected, fitted, options);
-        const BatchSize size = batch_size(state.n_vertices(), options);
-        const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);
-        if (batch.empty()) break;
-        const OptimisedBatch optimised =
-            optimise_batch(state, now, batch, backend, silhouettes, guessed, fitted, options, stop);
-        if (stop.stop_requested()) break;  // half optimised, it is not the batch that an undisturbed run makes
+    while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
+        is_rejected.resize(at(state.n_faces()), 0);
+        const bool is_credible = options.by_area || now.point.mean <= options.most_credible_psi;
+        std::optional<Step> step = is_credible ? follow_images(state, now, backend, scene, options, stop, is_rejected)
+                                               : approach(state, backend, scene, options);
+        if (!step || step->records.empty()) break;
         const std::int32_t n_before = state.n_vertices();
-        std::optional<Step> step =
-            take_step(state, now, batch, at(size.taken), optimised, backend, options, is_rejected);
-        if (!step && ++n_refusals < most_refusals) continue;
-        if (!step)
-            step =
-                try_step(state, batch, optimised.targets, all_but(size.taken, batch, state, scores), backend, options);
-        n_refusals = 0;
-        if (step->records.empty()) break;
         state = std::move(step->state);
         now = std::move(step->distortion);
-        const std::vector<SplitRecord>& records = step->records;
         curve.push_back({state.n_vertices(), now.point.mean});
-        std::vector<std::int32_t> added(static_cast<std::size_t>(state.n_vertices() - n_before));
+        std::vector<std::int32_t> added(at(state.n_vertices() - n_before));
         std::iota(added.begin(), added.end(), n_before);
         const Mesh refined = state.to_mesh();
-        sink.batch(records, state, vertex_colours(images, refined, vertex_spacing(refined, options.n_vertices), added),
+        sink.batch(step->records, state,
+                   vertex_colours(scene.images, refined, vertex_spacing(refined, options.n_vertices), added),
                    now.point);
         if (progress) progress(curve.back());
     }

@@ -156,9 +156,8 @@ TECHNIQUES = [
         "ranking_by_gain",
         "faces are split where a split promises most, not where phi is largest",
         CORE + "refine.cpp",
-        "expected_gain(now.terms[f]) + fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]);",
-        "now.terms[f].distortion.phi + 0 * (expected_gain(now.terms[f]) +\n"
-        "                              fitted_gain(mesh, normals, t, now.terms[f], fitted, now.pixel_sizes[f]));",
+        "scores[f] = expected_gain(now.terms[f]) +\n",
+        "scores[f] = now.terms[f].distortion.phi + 0 * expected_gain(now.terms[f]) + 0 *\n",
     ),
     Technique(
         "fitted_start",

@@ -53,6 +53,7 @@ const Capture& capture() {
 /// Sees less agreement whenever it is asked again: no batch can lower its Psi.
 class GrowingDistortion final : public PhotoBackend {
 public:
+    explicit GrowingDistortion(double phi = 0) : phi_(phi) {}
     void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override { ++phi_; }
     std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
         return std::vector<TriangleDistortion>(batch.size(), {phi_, 1.0});
@@ -68,7 +69,7 @@ public:
     int n_levels() const override { return 1; }
 
 private:
-    double phi_ = 0;
+    double phi_;
 };
 
 const ReconstructOptions small{.n_vertices = 900, .n_coarse = 300, .seed = 1, .method = Method::refine};
@@ -104,14 +105,15 @@ TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, on t
     GrowingDistortion backend;
     Silhouettes silhouettes(capture());
     const PhotoImages images = make_photo_images(capture());
-    const NearestSurface fitted(icosphere(5));
+    const TrueSurface fitted(icosphere(5), 20'000);
     Recorder recorder;
     recorder.start(state.grid(), {}, on_grid(icosphere(2), unit_grid));
     RefineOptions options;
     options.n_vertices = 1000;
     options.growth = 0.5;
+    const GuessedSurface none;
     const std::vector<CurvePoint> curve =
-        refine(state, backend, silhouettes, images, GuessedSurface(), fitted, options, recorder, {}, {});
+        refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, {}, {});
     CHECK(recorder.closed_loop);
     CHECK(state.n_vertices() >= options.n_vertices - 2);
     CHECK(curve.back().psi > curve.front().psi);
@@ -125,17 +127,41 @@ TEST_CASE("Refine: new vertices start on the fitted surface where neither photog
     const std::int32_t n_old = state.n_vertices();
     GrowingDistortion backend;
     Silhouettes silhouettes((Capture()));
-    const NearestSurface fitted(icosphere(5, radius));
+    const TrueSurface fitted(icosphere(5, radius), 20'000);
     Recorder recorder;
     recorder.start(state.grid(), {}, on_grid(icosphere(3), unit_grid));
     RefineOptions options;
     options.n_vertices = n_old + 60;
-    refine(state, backend, silhouettes, make_photo_images(capture()), GuessedSurface(), fitted, options, recorder, {},
-           {});
+    const PhotoImages images = make_photo_images(capture());
+    const GuessedSurface none;
+    refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, {}, {});
     REQUIRE(state.n_vertices() > n_old + 50);
     const std::vector<Vec3> vertices = state.to_mesh().vertices;
     for (std::size_t v = 0; v < vertices.size(); ++v)
         CHECK(std::abs(vertices[v].norm() - (v < static_cast<std::size_t>(n_old) ? 1.0 : radius)) < 0.01);
+}
+
+TEST_CASE("Refine: images that disagree too much are not followed; old and new vertices approach the fitted surface") {
+    constexpr double radius = 1.03;
+    const RefineOptions options{.n_vertices = 2500};
+    Silhouettes silhouettes((Capture()));
+    const PhotoImages images = make_photo_images(capture());
+    const GuessedSurface none;
+    const TrueSurface fitted(icosphere(5, radius), 20'000);
+    const auto mean_distance = [&](double phi) {
+        RefinableMesh state(on_grid(icosphere(3), unit_grid), unit_grid, {});
+        GrowingDistortion backend(phi);
+        Recorder recorder;
+        recorder.start(state.grid(), {}, on_grid(icosphere(3), unit_grid));
+        refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, {}, {});
+        CHECK(recorder.closed_loop);
+        CHECK(state.n_vertices() >= options.n_vertices - 2);
+        double sum = 0;
+        for (const Vec3& v : state.to_mesh().vertices) sum += std::abs(v.norm() - radius);
+        return sum / state.n_vertices();
+    };
+    CHECK(mean_distance(2 * options.most_credible_psi) < 0.003);
+    CHECK(mean_distance(0) > 0.005);  // a quarter of the vertices are of the base, which the images do not move
 }
 
 TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/reconstruction/reconstruct.h"
+#include "core/reconstruction/refine.h"
 #include "eq_test_scenes.h"
 
 using namespace anyrate;
@@ -77,15 +78,33 @@ const Capture& uneven_capture() {
     return capture;
 }
 
+/// The same with so much light that does not belong to it that the splits follow the fitted surface.
+const Capture& noisy_capture() {
+    static const Capture capture = [] {
+        Capture sphere = uneven_capture();
+        for (std::size_t i = 0; i < sphere.views.size(); ++i)
+            for (std::size_t p = 0; p < sphere.views[i].image.pixels.size(); ++p) {
+                Rgb8& c = sphere.views[i].image.pixels[p];
+                const auto lit = [&](std::uint8_t before) {
+                    const double wave = std::sin(0.02 * static_cast<double>(p % 128) * static_cast<double>(i + 1));
+                    return static_cast<std::uint8_t>(std::clamp(before + 60 * wave, 0.0, 255.0));
+                };
+                c = {lit(c.r), lit(c.g), lit(c.b)};
+            }
+        return sphere;
+    }();
+    return capture;
+}
+
 const ReconstructOptions small{.n_vertices = 800, .n_coarse = 300};
 
 struct Undisturbed {
     Recorder recorder;
     Journal journal{recorder};
-    Undisturbed() { reconstruct(uneven_capture(), small, recorder, {}, {}, &journal); }
+    explicit Undisturbed(const Capture& capture) { reconstruct(capture, small, recorder, {}, {}, &journal); }
 };
 const Undisturbed& undisturbed() {
-    static const Undisturbed run;
+    static const Undisturbed run(uneven_capture());
     return run;
 }
 
@@ -93,6 +112,20 @@ template <class T>
 bool is_tail(const std::vector<T>& tail, const std::vector<T>& whole) {
     return tail.size() <= whole.size() &&
            std::equal(tail.begin(), tail.end(), whole.end() - static_cast<std::ptrdiff_t>(tail.size()));
+}
+
+void check_that_every_point_leads_to_the_end(const Undisturbed& whole, const Capture& capture) {
+    for (std::size_t i = 0; i < whole.journal.points.size(); ++i) {
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 1 + i % 2);
+        Recorder rest;
+        Journal journal(rest);
+        resume(capture, small, whole.journal.start, whole.journal.points[i], rest, {}, {}, journal);
+        CHECK(rest.finished);
+        CHECK(rest.hashes.size() == whole.journal.points.size() - 1 - i);
+        CHECK(is_tail(rest.hashes, whole.recorder.hashes));
+        CHECK(is_tail(rest.colours, whole.recorder.colours));
+        CHECK(is_tail(rest.psi, whole.recorder.psi));
+    }
 }
 
 }  // namespace
@@ -106,17 +139,15 @@ TEST_CASE("Resume: from every batch on, with any number of threads, the sink get
         return std::ranges::count(point.is_rejected, 1) > 0;
     });
     CHECK(has_rejected);
-    for (std::size_t i = 0; i < whole.journal.points.size(); ++i) {
-        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 1 + i % 2);
-        Recorder rest;
-        Journal journal(rest);
-        resume(uneven_capture(), small, whole.journal.start, whole.journal.points[i], rest, {}, {}, journal);
-        CHECK(rest.finished);
-        CHECK(rest.hashes.size() == whole.journal.points.size() - 1 - i);
-        CHECK(is_tail(rest.hashes, whole.recorder.hashes));
-        CHECK(is_tail(rest.colours, whole.recorder.colours));
-        CHECK(is_tail(rest.psi, whole.recorder.psi));
-    }
+    check_that_every_point_leads_to_the_end(whole, uneven_capture());
+}
+
+TEST_CASE("Resume: so it is where the images are not followed") {
+    const Undisturbed whole(noisy_capture());
+    REQUIRE(whole.journal.points.size() > 3);
+    for (std::size_t i = 0; i < whole.recorder.psi.size(); i += 2)
+        REQUIRE(whole.recorder.psi[i] > RefineOptions{}.most_credible_psi);
+    check_that_every_point_leads_to_the_end(whole, noisy_capture());
 }
 
 TEST_CASE("Resume: without a point the base comes once more") {

@@ -1,0 +1,58 @@
+#include "core/progressive/surface_approach.h"
+
+#include <cmath>
+
+#include "core/mesh/normal_fit.h"
+#include "core/mesh/normals.h"
+#include "core/mesh/triangle_shape.h"
+#include "core/progressive/trial_batch.h"
+
+namespace anyrate {
+namespace {
+
+constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
+    MeasuredMesh now{state.to_mesh(), {}};
+    now.faces = meter.measure(now.mesh, vertex_normals(now.mesh));
+    return now;
+}
+
+double squared_distance(const MeasuredMesh& now) {
+    double sum = 0;
+    for (const FaceDistance& face : now.faces) sum += face.squared;
+    return sum;
+}
+
+std::vector<double> distance_scores(const MeasuredMesh& now) {
+    std::vector<double> scores(now.faces.size());
+    for (std::size_t f = 0; f < scores.size(); ++f) {
+        const auto& [a, b, c] = now.mesh.triangles[f];
+        const auto& v = now.mesh.vertices;
+        const double area = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
+        if (now.faces[f].area > 0) scores[f] = area * std::sqrt(now.faces[f].squared / now.faces[f].area);
+    }
+    return scores;
+}
+
+BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
+    TrialBatch trial = try_batch(state, batch);
+    const std::vector<double> costs = fit_along_normals(trial.mesh, trial.active, meter, {});
+    BatchTargets targets = targets_of(trial, state.n_vertices());
+    targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
+    targets.new_costs.resize(batch.size());
+    for (std::size_t k = 0; k < batch.size(); ++k)
+        if (const std::int32_t v = trial.first_new[k]; v >= 0)
+            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
+    return targets;
+}
+
+double gain_of_a_bit(const MeasuredMesh& now) {
+    return 2 * squared_distance(now) / (now.mesh.n_vertices() * bits_per_vertex);
+}
+
+}  // namespace anyrate

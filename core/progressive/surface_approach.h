@@ -1,0 +1,39 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface_meter.h"
+#include "core/progressive/emit_batch.h"
+#include "core/progressive/refinable_mesh.h"
+
+namespace anyrate {
+
+/// A decoded mesh and how far its faces are from a surface that batches of splits bring it nearer to.
+struct MeasuredMesh {
+    Mesh mesh;
+    std::vector<FaceDistance> faces;
+};
+
+MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter);
+
+/// Integral of the squared distance, world units to the fourth.
+double squared_distance(const MeasuredMesh& now);
+
+/// What a split of each face promises: its area times its root mean square distance. Area times mean square spends
+/// splits on few bad faces, which often stay bad: a bust at 10,000 vertices takes 7 % more bytes then for the same mean
+/// distance.
+/// @return one per face, world units cubed; 0 for a face without area
+std::vector<double> distance_scores(const MeasuredMesh& now);
+
+/// Splits the batch on a copy of the state and moves the nine vertices of every split, all together, to where the
+/// squared distance is least.
+/// @return with costs, world units to the fourth for a squared world unit
+BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter);
+
+/// What a bit brings as part of a split, world units to the fourth: the squared distance falls about with the square of
+/// the vertices, so that one more vertex of n lowers it by 2 / n of itself.
+double gain_of_a_bit(const MeasuredMesh& now);
+
+}  // namespace anyrate

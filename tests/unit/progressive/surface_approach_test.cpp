@@ -1,0 +1,71 @@
+#include "core/progressive/surface_approach.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/progressive/batch_selection.h"
+#include "core/simulation/parametric_meshes.h"
+#include "tests/grid_scenes.h"
+
+using namespace anyrate;
+
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+const TrueSurface& unit_sphere() {
+    static const TrueSurface surface(icosphere(5), 60'000);
+    return surface;
+}
+
+RefinableMesh sphere_on_grid(int level, double radius = 1.0) {
+    return {on_grid(icosphere(level, radius), unit_grid), unit_grid, {}};
+}
+
+}  // namespace
+
+TEST_CASE("Approach: concentric spheres are apart by the difference of their radii everywhere") {
+    SurfaceMeter meter(unit_sphere());
+    const MeasuredMesh now = measure(sphere_on_grid(4, 0.9), meter);
+    // Half from the mesh, half from the surface: the mean of both areas.
+    const double area = 2 * std::numbers::pi * (1 + 0.81);
+    CHECK(squared_distance(now) == doctest::Approx(0.01 * area).epsilon(0.03));
+    const std::vector<double> scores = distance_scores(now);
+    double sum = 0;
+    for (const double score : scores) sum += score;
+    CHECK(sum == doctest::Approx(0.1 * 4 * std::numbers::pi * 0.81).epsilon(0.03));  // distance times the mesh's area
+    CHECK(gain_of_a_bit(now) * now.mesh.n_vertices() * 13 == doctest::Approx(2 * squared_distance(now)));
+}
+
+TEST_CASE("Approach: a face that bulges promises most") {
+    Mesh mesh = icosphere(3);
+    for (const std::int32_t v : mesh.triangles[100]) mesh.vertices[at(v)] *= 1.1;
+    SurfaceMeter meter(unit_sphere());
+    const std::vector<double> scores =
+        distance_scores(measure(RefinableMesh(on_grid(mesh, unit_grid), unit_grid, {}), meter));
+    CHECK(std::ranges::max_element(scores) - scores.begin() == 100);
+}
+
+TEST_CASE("Approach: a batch's targets lie where chords and sphere are apart least, and missing them costs") {
+    const RefinableMesh state = sphere_on_grid(3);
+    SurfaceMeter meter(unit_sphere());
+    const MeasuredMesh before = measure(state, meter);
+    const std::vector<std::int32_t> batch = select_batch(state, distance_scores(before), 40);
+    REQUIRE(batch.size() == 40);
+    const BatchTargets targets = fit_batch(state, batch, meter);
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+        REQUIRE(targets.new_vertices[k].has_value());
+        for (std::size_t m = 0; m < 3; ++m) {
+            const double radius = (*targets.new_vertices[k])[m].norm();
+            CHECK(radius > 0.999);  // the middle of an edge is at 0.990
+            CHECK(radius < 1.010);  // facets that touch the sphere at their middles have corners outside
+            CHECK(targets.new_costs[k][m] > 0);
+        }
+    }
+    RefinableMesh after = state;
+    emit_batch(after, batch, targets, {}, {.bit_price = 0.5 * gain_of_a_bit(before)});
+    CHECK(squared_distance(measure(after, meter)) < squared_distance(before));
+}
