@@ -1,0 +1,27 @@
+#include "core/reconstruction/fitted_step.h"
+
+#include "core/mesh/surface_meter.h"
+#include "core/progressive/batch_selection.h"
+#include "core/progressive/surface_approach.h"
+
+namespace anyrate {
+
+std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoBackend& backend,
+                                              const RefinementScene& scene, const RefineOptions& options) {
+    // A new one each time: what it remembered, a run that goes on here could not know.
+    SurfaceMeter meter(scene.fitted);
+    const MeasuredMesh measured = measure(state, meter);
+    const std::vector<char> none_rejected(measured.faces.size(), 0);
+    const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured),
+                                                    scene.guessed.vertices(measured.mesh), none_rejected, options);
+    const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options).taken);
+    if (batch.empty()) return std::nullopt;
+    const BatchTargets targets = fit_batch(state, batch, meter);
+    RefinementStep step{state, {}, {}};
+    step.records =
+        emit_batch(step.state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(measured)});
+    step.distortion = measure_state(backend, step.state, options.samples_per_px);
+    return step;
+}
+
+}  // namespace anyrate

@@ -1,0 +1,13 @@
+#pragma once
+#include <optional>
+
+#include "core/reconstruction/refinement_step.h"
+
+namespace anyrate {
+
+/// A batch that takes the state nearer to the fitted surface, whatever the images say of it.
+/// @return nullopt if nothing can be split
+std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoBackend& backend,
+                                              const RefinementScene& scene, const RefineOptions& options);
+
+}  // namespace anyrate

@@ -1,0 +1,65 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/true_surface.h"
+#include "core/progressive/model_sink.h"
+#include "core/progressive/refinable_mesh.h"
+#include "core/reconstruction/guessed_surface.h"
+#include "core/reconstruction/photo_backend.h"
+#include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/silhouette_term.h"
+
+namespace anyrate {
+
+struct RefineOptions {
+    int n_vertices = 10'000;
+    double growth = 0.16;        ///< vertices a batch adds, in parts of what is there; 0.12 is no better, 0.2 is worse
+    double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
+    double dead_zone = 0.75;     ///< updates of old vertices below this many steps are not sent
+    /// Of a state on which the images disagree this much (squared colour units) they are no witness of what its
+    /// vertices are to do: the splits approach the fitted surface instead.
+    double most_credible_psi = 600;
+    double bit_price = 0.5;  ///< there, see EncodeMeshOptions
+    bool by_area = false;    ///< split the largest faces instead of the most promising (`--method uniform`)
+    double samples_per_px = 1.0;
+};
+
+/// What step 3 looks at.
+struct RefinementScene {
+    const PhotoImages& images;
+    Silhouettes& silhouettes;
+    const GuessedSurface& guessed;
+    /// A finer surface that the images have been asked about already: new vertices start there, and where it leaves a
+    /// face, a split is expected to pay even if the images, compared across the gap, do not say so.
+    const TrueSurface& fitted;
+};
+
+/// Distortion of the decoded state as it stands, over the whole surface at the photographs' own resolution.
+struct StateDistortion {
+    DistortionPoint point;
+    std::vector<TriangleTerms> terms;  ///< one per face
+    std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units
+};
+StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+
+/// A decoded state, what led to it and what the images say of it.
+struct RefinementStep {
+    RefinableMesh state;
+    std::vector<SplitRecord> records;
+    StateDistortion distortion;
+};
+
+/// How many splits a batch tries, and how many of them it takes at most.
+struct BatchSize {
+    int tried = 0, taken = 0;
+};
+BatchSize batch_size(int n_vertices, const RefineOptions& options);
+
+/// What a split of each face promises; 0 for a face that is not to be split.
+/// @param scores  what the evidence says; for guesses nothing is evidence
+std::vector<double> split_scores(const Mesh& mesh, std::vector<double> scores, std::span<const char> is_guessed,
+                                 std::span<const char> is_rejected, const RefineOptions& options);
+
+}  // namespace anyrate
