@@ -13,7 +13,7 @@ namespace anyrate {
 namespace {
 
 // Points a face, and as many of the true surface for each: enough that noise of the sampling does not show in a fit.
-constexpr int fewest_points = 60'000;  ///< of a mesh of few faces: their shape has to be seen, too
+constexpr int fewest_points = 40'000;  ///< of a mesh of few faces: their shape has to be seen, too
 constexpr int least_steps = 2, most_steps = 6;
 constexpr std::size_t samples_per_face = 3;
 

@@ -14,13 +14,14 @@ std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoB
     const std::vector<char> none_rejected(measured.faces.size(), 0);
     const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured),
                                                     scene.guessed.vertices(measured.mesh), none_rejected, options);
-    const std::vector<std::int32_t> batch = select_batch(state, scores, batch_size(state.n_vertices(), options).taken);
+    const std::vector<std::int32_t> batch =
+        select_batch(state, scores, batch_size(state.n_vertices(), options.approach_growth, options).taken);
     if (batch.empty()) return std::nullopt;
     const BatchTargets targets = fit_batch(state, batch, meter);
     RefinementStep step{state, {}, {}};
     step.records =
         emit_batch(step.state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(measured)});
-    step.distortion = measure_state(backend, step.state, options.samples_per_px);
+    step.distortion = measure_without_terms(backend, step.state, options.samples_per_px);
     return step;
 }
 

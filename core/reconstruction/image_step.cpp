@@ -241,7 +241,7 @@ std::optional<RefinementStep> follow_images(const RefinableMesh& state, const St
     const Mesh mesh = state.to_mesh();
     const std::vector<char> is_guessed = scene.guessed.vertices(mesh);
     const std::vector<double> evidence = photo_scores(mesh, now, scene.fitted.nearest);
-    const BatchSize size = batch_size(state.n_vertices(), options);
+    const BatchSize size = batch_size(state.n_vertices(), options.growth, options);
     for (int n_refusals = 0; !stop.stop_requested();) {
         const std::vector<double> scores = split_scores(mesh, evidence, is_guessed, is_rejected, options);
         const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);

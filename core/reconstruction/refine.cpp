@@ -12,23 +12,37 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+/// The next batch.
+/// @param now  of the state; gets its terms if they are needed
+/// @return nullopt if nothing can be split, or on a stop
+std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistortion& now, PhotoBackend& backend,
+                                        const RefinementScene& scene, const RefineOptions& options,
+                                        const std::stop_token& stop, std::vector<char>& is_rejected) {
+    const bool is_beyond = state.n_vertices() >= options.n_approached && now.point.mean <= options.most_credible_psi;
+    std::optional<RefinementStep> step;
+    is_rejected.resize(at(state.n_faces()), 0);
+    if (options.by_area || is_beyond) {
+        if (now.terms.empty()) now = measure_state(backend, state, options.samples_per_px);
+        step = follow_images(state, now, backend, scene, options, stop, is_rejected);
+    } else {
+        step = approach_fitted(state, backend, scene, options);
+    }
+    return step && !step->records.empty() ? step : std::nullopt;
+}
+
 }  // namespace
 
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
                                const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
                                std::vector<char>* rejected) {
-    StateDistortion now = measure_state(backend, state, options.samples_per_px);
+    StateDistortion now = measure_without_terms(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     std::vector<char> none_rejected;
     std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;
     while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
-        is_rejected.resize(at(state.n_faces()), 0);
-        const bool is_credible = options.by_area || now.point.mean <= options.most_credible_psi;
-        std::optional<RefinementStep> step = is_credible
-                                                 ? follow_images(state, now, backend, scene, options, stop, is_rejected)
-                                                 : approach_fitted(state, backend, scene, options);
-        if (!step || step->records.empty()) break;
+        std::optional<RefinementStep> step = next_step(state, now, backend, scene, options, stop, is_rejected);
+        if (!step) break;
         const std::int32_t n_before = state.n_vertices();
         state = std::move(step->state);
         now = std::move(step->distortion);
@@ -42,6 +56,18 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
         if (progress) progress(curve.back());
     }
     return curve;
+}
+
+void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
+                      const RefineOptions& options, const std::stop_token& stop) {
+    StateDistortion now = measure_state(backend, state, options.samples_per_px);
+    std::vector<char> is_rejected;
+    while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
+        std::optional<RefinementStep> step = next_step(state, now, backend, scene, options, stop, is_rejected);
+        if (!step) break;
+        state = std::move(step->state);
+        now = std::move(step->distortion);
+    }
 }
 
 }  // namespace anyrate

@@ -13,8 +13,9 @@ namespace anyrate {
 /// will see. The state is always the decoded one (closed loop). Differs from the paper, which takes one triangle of
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
 /// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
-/// Where the images disagree too much to be followed that far (RefineOptions::most_credible_psi), batches bring the
-/// state nearer to the fitted surface, which is smoother than they are and knows the silhouettes.
+/// That is how the fitted surface itself comes about (refine_by_images()). A log's batches bring its state nearer to
+/// that surface, which knows more than the images tell of facets as coarse as the log's first ones, and take the images
+/// for witnesses only beyond it (RefineOptions::n_approached), if they do not disagree too much (most_credible_psi).
 /// @param rejected  one flag a face whose split the images did not bear out: all that is remembered from batch to
 ///                  batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
 ///                  that would have followed, bit for bit.
@@ -23,5 +24,9 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
                                const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
                                std::vector<char>* rejected = nullptr);
+
+/// The same without a log.
+void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
+                      const RefineOptions& options, const std::stop_token& stop);
 
 }  // namespace anyrate

@@ -18,11 +18,18 @@ double face_area(const Mesh& mesh, const Triangle& t) {
     return 0.5 * (mesh.vertices[at(t[1])] - a).cross(mesh.vertices[at(t[2])] - a).norm();
 }
 
+DistortionPoint point_of(std::span<const TriangleDistortion> distortions) {
+    DistortionPoint point{surface_distortion(distortions), 0};
+    for (const TriangleDistortion& face : distortions)
+        if (face.n_samples > 0) point.max = std::max(point.max, face.phi / face.n_samples);
+    return point;
+}
+
 }  // namespace
 
-BatchSize batch_size(int n_vertices, const RefineOptions& options) {
+BatchSize batch_size(int n_vertices, double growth, const RefineOptions& options) {
     const int wanted = (options.n_vertices - n_vertices) / 3;
-    const int grown = std::max(1, static_cast<int>(std::lround(options.growth * n_vertices / 3)));
+    const int grown = std::max(1, static_cast<int>(std::lround(growth * n_vertices / 3)));
     // A last crumb joins its predecessor.
     const int taken = wanted < grown + grown / 3 ? wanted : grown;
     if (options.by_area) return {taken, taken};
@@ -66,13 +73,16 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     for (const TriangleQuery& query : queries) result.pixel_sizes.push_back(backend.pixel_size(query.face));
     std::vector<TriangleDistortion> distortions;
     distortions.reserve(result.terms.size());
-    for (const TriangleTerms& t : result.terms) {
-        distortions.push_back(t.distortion);
-        if (t.distortion.n_samples > 0)
-            result.point.max = std::max(result.point.max, t.distortion.phi / t.distortion.n_samples);
-    }
-    result.point.mean = surface_distortion(distortions);
+    for (const TriangleTerms& t : result.terms) distortions.push_back(t.distortion);
+    result.point = point_of(distortions);
     return result;
+}
+
+StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px) {
+    const Mesh mesh = state.to_mesh();
+    const SurfaceView surface(mesh);
+    backend.set_surface(surface, 0, samples_per_px);
+    return {point_of(backend.distortions(whole_surface(surface))), {}, {}};
 }
 
 }  // namespace anyrate

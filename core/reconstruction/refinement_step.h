@@ -21,8 +21,10 @@ struct RefineOptions {
     /// Of a state on which the images disagree this much (squared colour units) they are no witness of what its
     /// vertices are to do: the splits approach the fitted surface instead.
     double most_credible_psi = 600;
-    double bit_price = 0.5;  ///< there, see EncodeMeshOptions
-    bool by_area = false;    ///< split the largest faces instead of the most promising (`--method uniform`)
+    double approach_growth = 0.2;  ///< instead of `growth` there; pot at 5,000: with 0.3 3 % worse
+    double bit_price = 0.5;        ///< there, see EncodeMeshOptions
+    int n_approached = 0;          ///< the splits approach it below this count, too, whatever the images say
+    bool by_area = false;          ///< split the largest faces instead of the most promising (`--method uniform`)
     double samples_per_px = 1.0;
 };
 
@@ -39,10 +41,11 @@ struct RefinementScene {
 /// Distortion of the decoded state as it stands, over the whole surface at the photographs' own resolution.
 struct StateDistortion {
     DistortionPoint point;
-    std::vector<TriangleTerms> terms;  ///< one per face
-    std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units
+    std::vector<TriangleTerms> terms;  ///< one per face; none if they were not asked for
+    std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units; or none
 };
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
 
 /// A decoded state, what led to it and what the images say of it.
 struct RefinementStep {
@@ -55,7 +58,8 @@ struct RefinementStep {
 struct BatchSize {
     int tried = 0, taken = 0;
 };
-BatchSize batch_size(int n_vertices, const RefineOptions& options);
+/// @param growth  vertices a batch adds, in parts of what is there
+BatchSize batch_size(int n_vertices, double growth, const RefineOptions& options);
 
 /// What a split of each face promises; 0 for a face that is not to be split.
 /// @param scores  what the evidence says; for guesses nothing is evidence

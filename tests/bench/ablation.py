@@ -104,11 +104,18 @@ TECHNIQUES = [
         "RingSmoothing ring_smoothing = RingSmoothing::quarter;",
     ),
     Technique(
-        "adapted_surface",
-        "base and splits are fitted to a surface whose vertices stand where it bends",
+        "fine_surface",
+        "base and splits are fitted to a surface that was refined by the images, not to an even mesh",
         CORE + "reconstruct.cpp",
-        "Mesh fitted_mesh = fixed_rate ? mesh : adapt_to_relief(sampler, start, stop);",
+        "Mesh fitted_mesh = fixed_rate ? mesh : fine_surface(*backend, start, stop);",
         "Mesh fitted_mesh = mesh;",
+    ),
+    Technique(
+        "approach",
+        "the log's splits approach that surface instead of following the images once more",
+        CORE + "reconstruct.cpp",
+        "constexpr double approached_part = 4;",
+        "constexpr double approached_part = 0;",
     ),
     Technique(
         "unseen_surface",

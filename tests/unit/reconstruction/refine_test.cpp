@@ -141,14 +141,14 @@ TEST_CASE("Refine: new vertices start on the fitted surface where neither photog
         CHECK(std::abs(vertices[v].norm() - (v < static_cast<std::size_t>(n_old) ? 1.0 : radius)) < 0.01);
 }
 
-TEST_CASE("Refine: images that disagree too much are not followed; old and new vertices approach the fitted surface") {
+TEST_CASE("Refine: below a count, or where the images disagree too much, all vertices approach the fitted surface") {
     constexpr double radius = 1.03;
-    const RefineOptions options{.n_vertices = 2500};
+    const RefineOptions usual{.n_vertices = 2500}, approaching{.n_vertices = 2500, .n_approached = 2500};
     Silhouettes silhouettes((Capture()));
     const PhotoImages images = make_photo_images(capture());
     const GuessedSurface none;
     const TrueSurface fitted(icosphere(5, radius), 20'000);
-    const auto mean_distance = [&](double phi) {
+    const auto mean_distance = [&](double phi, const RefineOptions& options) {
         RefinableMesh state(on_grid(icosphere(3), unit_grid), unit_grid, {});
         GrowingDistortion backend(phi);
         Recorder recorder;
@@ -160,8 +160,9 @@ TEST_CASE("Refine: images that disagree too much are not followed; old and new v
         for (const Vec3& v : state.to_mesh().vertices) sum += std::abs(v.norm() - radius);
         return sum / state.n_vertices();
     };
-    CHECK(mean_distance(2 * options.most_credible_psi) < 0.003);
-    CHECK(mean_distance(0) > 0.005);  // a quarter of the vertices are of the base, which the images do not move
+    CHECK(mean_distance(2 * usual.most_credible_psi, usual) < 0.003);
+    CHECK(mean_distance(0, approaching) < 0.003);
+    CHECK(mean_distance(0, usual) > 0.005);  // a quarter of the vertices are of the base, which the images do not move
 }
 
 TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {
@@ -206,7 +207,7 @@ TEST_CASE("Reconstruct: Psi at the end is below that of the coarse mesh and of p
     CHECK(flowed.records.empty());
 }
 
-TEST_CASE("Reconstruct: Psi falls at every batch, also where noise leaves little to gain") {
+TEST_CASE("Reconstruct: Psi falls at every batch that follows the images, also where noise leaves little to gain") {
     Capture noisy = capture();
     std::uint32_t random = 1;  // a linear congruential generator, Numerical Recipes' constants
     for (View& view : noisy.views)
@@ -218,9 +219,11 @@ TEST_CASE("Reconstruct: Psi falls at every batch, also where noise leaves little
             pixel = {disturbed(pixel.r, 8), disturbed(pixel.g, 14), disturbed(pixel.b, 20)};
         }
     Recorder recorder;
-    reconstruct(noisy, small, recorder);
-    REQUIRE(recorder.psi.size() > 3);
-    for (std::size_t i = 1; i < recorder.psi.size(); ++i) CHECK(recorder.psi[i] < recorder.psi[i - 1]);
+    const ReconstructOptions options{.n_vertices = 900, .n_coarse = 100};
+    std::vector<CurvePoint> curve = reconstruct(noisy, options, recorder).curve;
+    std::erase_if(curve, [&](const CurvePoint& p) { return p.n_vertices < 4 * options.n_coarse; });  // approaching
+    REQUIRE(curve.size() > 3);
+    for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].psi < curve[i - 1].psi);
 }
 
 TEST_CASE("Reconstruct: one and two threads write the same records") {

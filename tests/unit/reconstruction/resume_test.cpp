@@ -96,7 +96,8 @@ const Capture& noisy_capture() {
     return capture;
 }
 
-const ReconstructOptions small{.n_vertices = 800, .n_coarse = 300};
+/// Of whose log the first half approaches the fitted surface, the second follows the images.
+const ReconstructOptions small{.n_vertices = 800, .n_coarse = 100};
 
 struct Undisturbed {
     Recorder recorder;
