@@ -163,15 +163,14 @@ SilhouetteCone::SilhouetteCone(const View& view)
     K.row(0) -= box.x0 * K.row(2);
     K.row(1) -= box.y0 * K.row(2);
     P_ << K * view.camera.R, K * view.camera.t;
-    world_from_pixel_ = view.camera.R.transpose() * K.inverse();
     frame_ = {-box.x0, -box.y0, view.mask.width - box.x0, view.mask.height - box.y0};
     const MaskImage mask = repaired(cut_out(view.mask, box));
     complete_ = !touches_frame(mask);
     distance_px_ = smooth_signed_distance(mask);
-    count_pixels(mask);
+    count_pixels(mask, view.camera.R.transpose() * K.inverse());
 }
 
-void SilhouetteCone::count_pixels(const MaskImage& mask) {
+void SilhouetteCone::count_pixels(const MaskImage& mask, const Mat3& world_from_pixel) {
     sum_ = Image<std::uint32_t>(mask.width + 1, mask.height + 1);
     Vec2 moment = Vec2::Zero();
     for (int y = 0; y < mask.height; ++y) {
@@ -183,7 +182,7 @@ void SilhouetteCone::count_pixels(const MaskImage& mask) {
         }
     }
     const std::uint32_t n_pixels = sum_(mask.width, mask.height);
-    if (n_pixels > 0) middle_px_ = moment / n_pixels;
+    if (n_pixels > 0) axis_ = (world_from_pixel * Vec2(moment / n_pixels).homogeneous()).normalized();
 }
 
 std::int64_t SilhouetteCone::object_pixels(int x0, int y0, int x1, int y1) const {
@@ -247,11 +246,6 @@ std::optional<double> SilhouetteCone::distance(const Vec3& point) const {
 
 double SilhouetteCone::pixel_size(const Vec3& point) const {
     return P_.row(2).dot(point.homogeneous()) / pixels_per_radian_;
-}
-
-std::optional<Vec3> SilhouetteCone::axis() const {
-    if (sum_.pixels.back() == 0) return std::nullopt;
-    return (world_from_pixel_ * middle_px_.homogeneous()).normalized();
 }
 
 }  // namespace anyrate

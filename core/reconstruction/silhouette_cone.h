@@ -42,12 +42,12 @@ public:
     double pixel_size(const Vec3& point) const;
 
     /// Direction, in the world, from the camera's centre through the middle of the mask; nothing if the mask is empty.
-    std::optional<Vec3> axis() const;
+    const std::optional<Vec3>& axis() const { return axis_; }
     const Vec3& camera_centre() const { return centre_; }
     bool is_complete() const { return complete_; }
 
 private:
-    void count_pixels(const MaskImage& mask);
+    void count_pixels(const MaskImage& mask, const Mat3& world_from_pixel);
     /// How many of the pixels (x0, y0) .. (x1, y1) are the object's.
     std::int64_t object_pixels(int x0, int y0, int x1, int y1) const;
 
@@ -61,12 +61,11 @@ private:
     PixelBox frame_;  // the whole image
     Mat34 P_;
     Vec3 centre_;
-    Mat3 world_from_pixel_;
     double pixels_per_radian_;
     Image<float> distance_px_;  // at pixel centres, negative on the object
     Image<std::uint32_t> sum_;  // object pixels above and to the left, one row and column larger than the part
     bool complete_ = false;
-    Vec2 middle_px_ = Vec2::Zero();  // centroid of the mask
+    std::optional<Vec3> axis_;
 };
 
 }  // namespace anyrate

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -205,6 +206,29 @@ TEST_CASE("Visual hull: without any complete view the hull is still bounded and 
     CHECK(hull.upper.z() == doctest::Approx(1.0).epsilon(0.2));
     CHECK((hull.upper - hull.lower).maxCoeff() < 4.0);
     CHECK(hull.lower.z() < 0.0);
+}
+
+// A ring of close-ups that are level: the images show the upper part of the ball only, but for some that show the
+// lower part only.
+VisualHull hull_of_halves(int n_views, std::initializer_list<int> lower_ones) {
+    std::vector<Camera> cameras;
+    for (int i = 0; i < n_views; ++i) {
+        const double azimuth = 2 * pi * i / n_views;
+        cameras.push_back(
+            look_at_origin(camera_distance * Vec3(std::cos(azimuth), std::sin(azimuth), 0), 120, 75, 192));
+        const bool is_lower = std::ranges::find(lower_ones, i) != lower_ones.end();
+        cameras.back().K(1, 2) = is_lower ? 15 : 60;
+    }
+    return visual_hull(capture_of(cameras, ball(1.0)));
+}
+
+TEST_CASE("Visual hull: three views that look across each other are enough to show a part") {
+    CHECK(hull_of_halves(24, {0, 6, 12}).lower.z() == doctest::Approx(-1.0).epsilon(0.1));
+}
+
+TEST_CASE("Visual hull: three neighbours among many incomplete views are not enough") {
+    // The others' images end 14 pixels below the ball's middle.
+    CHECK(hull_of_halves(24, {0, 1, 2}).lower.z() > -0.7);
 }
 
 TEST_CASE("Visual hull: max_depth bounds the number of cells") {
