@@ -13,7 +13,6 @@ namespace anyrate {
 namespace {
 
 // Points a face, and as many of the true surface for each: enough that noise of the sampling does not show in a fit.
-constexpr int fewest_points = 40'000;  ///< of a mesh of few faces: their shape has to be seen, too
 constexpr int least_steps = 2, most_steps = 6;
 constexpr std::size_t samples_per_face = 3;
 
@@ -101,7 +100,7 @@ std::vector<Vec3> centres(int n) {
     return points;
 }
 
-int steps_for(std::size_t n_faces) {
+int steps_for(std::size_t n_faces, int fewest_points) {
     const double wanted = fewest_points / static_cast<double>(n_faces);
     return std::clamp(static_cast<int>(std::sqrt(wanted)), least_steps, most_steps);
 }
@@ -139,12 +138,12 @@ std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh, std::span<cons
     const std::size_t n_faces = mesh.triangles.size();
     nearest_of_face_.resize(n_faces, -1);
     nearest_of_sample_.resize(surface_.samples.size(), -1);
-    const std::size_t n_samples =
-        std::min(surface_.samples.size(), std::max(std::size_t{fewest_points}, samples_per_face * n_faces));
+    const std::size_t n_samples = std::min(
+        surface_.samples.size(), std::max(static_cast<std::size_t>(fewest_points_), samples_per_face * n_faces));
     const std::vector<Vec3> touched = nearest_to_samples(mesh, n_samples);
     const Buckets by_face = bucket(std::span(nearest_of_sample_).first(n_samples), n_faces);
     const double area_of_sample = 0.5 * surface_.area / static_cast<double>(n_samples);
-    const std::vector<Vec3> lattice = centres(steps_for(n_faces));
+    const std::vector<Vec3> lattice = centres(steps_for(n_faces, fewest_points_));
 
     std::vector<FaceDistance> result(n_faces);
     parallel_for(n_faces, [&](std::size_t f) {

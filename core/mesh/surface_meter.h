@@ -25,8 +25,10 @@ struct FaceDistance {
 /// changes nothing but which of several equally near points is found.
 class SurfaceMeter {
 public:
-    /// @param surface  must outlive it
-    explicit SurfaceMeter(const TrueSurface& surface) : surface_(surface) {}
+    /// @param surface        must outlive it
+    /// @param fewest_points  of a mesh of few faces: their shape has to be seen, too
+    explicit SurfaceMeter(const TrueSurface& surface, int fewest_points = 60'000)
+        : surface_(surface), fewest_points_(fewest_points) {}
 
     /// @param normals  unit, one per vertex of the mesh: the directions in which the vertices may move
     /// @return one per face
@@ -37,6 +39,7 @@ private:
     std::vector<Vec3> nearest_to_samples(const Mesh& mesh, std::size_t n_samples);
 
     const TrueSurface& surface_;
+    int fewest_points_;
     std::vector<std::int32_t> nearest_of_face_;    ///< the true face last found from each face; -1: none yet
     std::vector<std::int32_t> nearest_of_sample_;  ///< the face last found from each true sample
 };

@@ -5,11 +5,16 @@
 #include "core/progressive/surface_approach.h"
 
 namespace anyrate {
+namespace {
+
+constexpr int fewest_points = 40'000;  ///< to measure a mesh by: more bring nothing to batches of so many splits
+
+}  // namespace
 
 std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoBackend& backend,
                                               const RefinementScene& scene, const RefineOptions& options) {
     // A new one each time: what it remembered, a run that goes on here could not know.
-    SurfaceMeter meter(scene.fitted);
+    SurfaceMeter meter(scene.fitted, fewest_points);
     const MeasuredMesh measured = measure(state, meter);
     const std::vector<char> none_rejected(measured.faces.size(), 0);
     const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured),
