@@ -18,7 +18,7 @@ struct RefinementStart {
     std::vector<std::vector<Vec2>> shifts;    ///< one a view, pixels of the photographs, for each time views were moved
     std::vector<OrientedPoint> guess_points;  ///< of the GuessedSurface
     double guess_reach = 0;                   ///< of such a point
-    Mesh fitted;                              ///< the surface that new vertices start on
+    Mesh fitted;                              ///< the surface that base and splits approach
 };
 
 /// Where step 3 stood after the base, or after a batch.

@@ -18,8 +18,10 @@ struct RefineOptions {
     double growth = 0.16;        ///< vertices a batch adds, in parts of what is there; 0.12 is no better, 0.2 is worse
     double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
     double dead_zone = 0.75;     ///< updates of old vertices below this many steps are not sent
-    /// Of a state on which the images disagree this much (squared colour units) they are no witness of what its
-    /// vertices are to do: the splits approach the fitted surface instead.
+    /// Of a state on which the images disagree more than this (squared colour units) they are no witness of what its
+    /// vertices are to do: the splits approach the fitted surface instead. The Oxford dinosaur has 1,280, the synthetic
+    /// captures 12 to 84. Its images followed, 58 faces of 10,000 vertices cut others, else none, and 20,000 vertices
+    /// take 43 KB of geometry instead of 30.
     double most_credible_psi = 600;
     double approach_growth = 0.2;  ///< instead of `growth` there; pot at 5,000: with 0.3 3 % worse
     double bit_price = 0.5;        ///< there, see EncodeMeshOptions
@@ -33,8 +35,9 @@ struct RefinementScene {
     const PhotoImages& images;
     Silhouettes& silhouettes;
     const GuessedSurface& guessed;
-    /// A finer surface that the images have been asked about already: new vertices start there, and where it leaves a
-    /// face, a split is expected to pay even if the images, compared across the gap, do not say so.
+    /// A finer surface that the images have been asked about already. Where splits follow the images new vertices start
+    /// there, and where it leaves a face, a split is expected to pay even if the images, compared across the gap, do
+    /// not say so.
     const TrueSurface& fitted;
 };
 
