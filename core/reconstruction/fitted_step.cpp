@@ -7,7 +7,7 @@
 namespace anyrate {
 namespace {
 
-constexpr int fewest_points = 40'000;  ///< to measure a mesh by: more bring nothing to batches of so many splits
+constexpr int fewest_points = 40'000;  ///< to measure a mesh by; with 60,000 the pot was 1 to 2 % better, and slower
 
 }  // namespace
 

@@ -25,7 +25,8 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
                                std::vector<char>* rejected = nullptr);
 
-/// The same without a log.
+/// The same without a log: until the rate is met, or a stop.
+/// @param state  refined in place; in the scene's frame
 void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
                       const RefineOptions& options, const std::stop_token& stop);
 

@@ -47,7 +47,9 @@ struct StateDistortion {
     std::vector<TriangleTerms> terms;  ///< one per face; none if they were not asked for
     std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units; or none
 };
+/// @param samples_per_px  C of Eq. 7 (Nghiem et al.), per pixel of the photographs
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+/// The same point, without derivatives.
 StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
 
 /// A decoded state, what led to it and what the images say of it.
