@@ -59,8 +59,8 @@ SurfaceDistance compare_surfaces(const Mesh& mesh, const Mesh& reference, const 
 
 SurfaceDistance compare_surfaces(const Mesh& mesh, const Mesh& reference, const Predicate& seen,
                                  const CompareOptions& options) {
-    const std::vector<Vec3> on_mesh = sample_surface(mesh, options.n_samples, options.seed);
-    const std::vector<Vec3> on_reference = sample_surface(reference, options.n_samples, options.seed + 1);
+    const std::vector<Vec3> on_mesh = sample_surface(mesh, options.n_samples, options.seed).points;
+    const std::vector<Vec3> on_reference = sample_surface(reference, options.n_samples, options.seed + 1).points;
     std::vector<double> accuracy = distances(on_mesh, reference, false, seen);
     std::vector<double> completeness = distances(on_reference, mesh, true, seen);
     if (accuracy.empty() || completeness.empty()) throw InputError("compare: no point of the reference is seen");

@@ -28,6 +28,9 @@ public:
     /// on its own side. Hit.face is -1 if there is no such triangle.
     Hit nearest_facing(const Vec3& p, const Vec3& direction, std::int32_t hint = -1) const;
 
+    /// Of a face in an order in which those near each other mostly follow each other.
+    std::int32_t place(std::int32_t face) const { return place_[static_cast<std::size_t>(face)]; }
+
 private:
     struct Corners {
         Vec3 a, b, c;

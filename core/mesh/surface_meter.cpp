@@ -15,6 +15,7 @@ namespace {
 // Points a face, and as many of the true surface for each: enough that noise of the sampling does not show in a fit.
 constexpr int least_steps = 2, most_steps = 6;
 constexpr std::size_t samples_per_face = 3;
+constexpr std::size_t stretch_of_tour = 256;  ///< samples, each of which searches from where the one before ended
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -123,14 +124,26 @@ Buckets bucket(std::span<const std::int32_t> keys, std::size_t n_keys) {
 std::vector<Vec3> SurfaceMeter::nearest_to_samples(const Mesh& mesh, std::size_t n_samples) {
     const NearestSurface tree(mesh);
     std::vector<Vec3> points(n_samples);
-    parallel_for(n_samples, [&](std::size_t i) {
-        // The face found last may be one of a trial that was not taken.
-        const std::int32_t hint = nearest_of_sample_[i] < mesh.n_faces() ? nearest_of_sample_[i] : -1;
-        NearestSurface::Hit hit = tree.nearest_facing(surface_.samples[i], surface_.sample_normals[i], hint);
-        if (hit.face < 0) hit = tree.nearest(surface_.samples[i], hint);
-        nearest_of_sample_[i] = hit.face;
-        points[i] = hit.point;
-    });
+    const std::vector<std::int32_t>& tour = surface_.samples_in_tour;
+    parallel_for((tour.size() + stretch_of_tour - 1) / stretch_of_tour,
+                 [&](std::size_t stretch) {
+                     std::int32_t neighbour = -1;  // the face found last
+                     const std::size_t end = std::min(tour.size(), (stretch + 1) * stretch_of_tour);
+                     for (std::size_t place = stretch * stretch_of_tour; place < end; ++place) {
+                         const std::size_t i = at(tour[place]);
+                         if (i >= n_samples) continue;
+                         // What was found for the sample itself may be a face of a trial that was not taken.
+                         const std::int32_t own = nearest_of_sample_[i];
+                         const std::int32_t hint = own >= 0 && own < mesh.n_faces() ? own : neighbour;
+                         const Vec3& sample = surface_.samples[i];
+                         NearestSurface::Hit hit =
+                             tree.nearest_facing(sample, surface_.face_normals[at(surface_.sample_faces[i])], hint);
+                         if (hit.face < 0) hit = tree.nearest(sample, hint);
+                         nearest_of_sample_[i] = neighbour = hit.face;
+                         points[i] = hit.point;
+                     }
+                 },
+                 1);
     return points;
 }
 
@@ -151,7 +164,9 @@ std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh, std::span<cons
         Sum sum(corners.of(normals));
         for (std::size_t k = by_face.begin[f]; k < by_face.begin[f + 1]; ++k) {
             const std::size_t i = by_face.order[k];
-            sum.add(pair_from_surface(corners, touched[i], surface_.samples[i], surface_.sample_normals[i]),
+            const std::int32_t true_face = surface_.sample_faces[i];
+            if (nearest_of_face_[f] < 0) nearest_of_face_[f] = true_face;
+            sum.add(pair_from_surface(corners, touched[i], surface_.samples[i], surface_.face_normals[at(true_face)]),
                     area_of_sample);
         }
         const double area_of_point = 0.5 * corners.area() / static_cast<double>(lattice.size());

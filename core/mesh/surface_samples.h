@@ -6,8 +6,13 @@
 
 namespace anyrate {
 
+struct SurfaceSamples {
+    std::vector<Vec3> points;
+    std::vector<std::int32_t> faces;  ///< that they lie on
+};
+
 /// Random points of the surface, uniform by area. The same seed gives the same points on every machine.
 /// @throws InputError if the surface has no area
-std::vector<Vec3> sample_surface(const Mesh& mesh, int n, std::uint64_t seed);
+SurfaceSamples sample_surface(const Mesh& mesh, int n, std::uint64_t seed);
 
 }  // namespace anyrate

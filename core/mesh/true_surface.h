@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "core/mesh/nearest_surface.h"
@@ -13,9 +14,10 @@ struct TrueSurface {
     TrueSurface(const Mesh& mesh, int n_samples);
 
     NearestSurface nearest;
-    std::vector<Vec3> face_normals;    ///< unit, one per triangle; zero for one without area
-    std::vector<Vec3> samples;         ///< uniform by area, and so is every first part of them
-    std::vector<Vec3> sample_normals;  ///< unit, of the triangle that a sample lies on
+    std::vector<Vec3> face_normals;             ///< unit, one per triangle; zero for one without area
+    std::vector<Vec3> samples;                  ///< uniform by area, and so is every first part of them
+    std::vector<std::int32_t> sample_faces;     ///< the triangle that a sample lies on
+    std::vector<std::int32_t> samples_in_tour;  ///< all of them, those near each other mostly following each other
     double area = 0;
 };
 

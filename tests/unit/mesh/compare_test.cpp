@@ -14,7 +14,7 @@ using namespace anyrate;
 
 TEST_CASE("sample_surface: points are uniform by area") {
     // On the unit sphere the mean of z^2 is 1/3 and half of the points have |z| below 1/2 (Archimedes).
-    const std::vector<Vec3> points = sample_surface(icosphere(4), 40'000, 7);
+    const std::vector<Vec3> points = sample_surface(icosphere(4), 40'000, 7).points;
     double z2 = 0, low = 0;
     for (const Vec3& p : points) {
         z2 += p.z() * p.z() / 40'000;
