@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -110,7 +111,6 @@ Image<std::uint16_t> count_seen_through(std::span<const DepthView* const> others
             for (int x = 0; x < depths.width; ++x) {
                 if (!(depths(x, y) > 0)) continue;
                 const Vec3 point = other->to_world(x, y, depths(x, y));
-                if (!look_from_near(own, *other, point, least_cos)) continue;
                 const Vec3 p = own.map->P * point.homogeneous();
                 const double u = p.x() / p.z() + 0.5, v = p.y() / p.z() + 0.5;
                 if (!(p.z() > 0 && u >= 0 && v >= 0 && u < known.width && v < known.height)) continue;
@@ -118,6 +118,7 @@ Image<std::uint16_t> count_seen_through(std::span<const DepthView* const> others
                 const double inverse_depth = known(px, py);
                 if (!(inverse_depth > 0) || last(px, py) == other) continue;
                 if ((1.0 / p.z() - inverse_depth) / own.map->step <= options.conflict_px) continue;
+                if (!look_from_near(own, *other, point, least_cos)) continue;
                 last(px, py) = other;
                 ++count(px, py);
             }
@@ -125,13 +126,19 @@ Image<std::uint16_t> count_seen_through(std::span<const DepthView* const> others
     return count;
 }
 
-DepthMap confirm(std::span<const DepthView> views, const DepthView& own, const Sphere& object,
-                 const ConfirmOptions& options) {
+// Both kinds of what is left of one map.
+struct ConfirmedDepth {
+    DepthMap found, confirmed;
+};
+
+ConfirmedDepth confirm(std::span<const DepthView> views, const DepthView& own, const Sphere& object,
+                       const ConfirmOptions& options) {
     const double max_angle_rad = options.max_angle_deg * std::numbers::pi / 180.0, least_cos = std::cos(max_angle_rad);
     const std::vector<const DepthView*> others = views_near(views, own, object, max_angle_rad);
     const auto n_seen_through = count_seen_through(others, own, least_cos, options);
-    const auto is_confirmed = [&](int x, int y) {
-        if (!(own.map->agreement(x, y) >= options.least_agreement)) return false;
+    enum class Standing { unknown, found, confirmed };
+    const auto standing_of = [&](int x, int y) {
+        if (!(own.map->agreement(x, y) >= options.least_agreement)) return Standing::unknown;
         const Vec3 point = own.to_world(x, y, own.map->inverse_depth(x, y));
         int n_confirm = 0, n_contradict = n_seen_through(x, y);
         for (const DepthView* const other : others) {
@@ -140,20 +147,25 @@ DepthMap confirm(std::span<const DepthView> views, const DepthView& own, const S
             n_confirm += finding == Finding::confirms;
             n_contradict += finding == Finding::contradicts;
         }
-        return n_confirm >= options.n_views && n_confirm > 2 * n_contradict;
+        if (n_confirm < options.n_views) return Standing::unknown;
+        return n_confirm > 2 * n_contradict ? Standing::confirmed : Standing::found;
     };
-    DepthMap result = *own.map;
-    for (int y = 0; y < result.inverse_depth.height; ++y)
-        for (int x = 0; x < result.inverse_depth.width; ++x) {
-            float& inverse_depth = result.inverse_depth(x, y);
-            if (inverse_depth > 0 && !is_confirmed(x, y)) inverse_depth = 0.0f;
+    const Image<float>& known = own.map->inverse_depth;
+    const DepthMap nothing{own.map->P, own.map->step, Image<float>(known.width, known.height, 0.0f), {}};
+    ConfirmedDepth result{nothing, nothing};
+    for (int y = 0; y < known.height; ++y)
+        for (int x = 0; x < known.width; ++x) {
+            if (!(known(x, y) > 0)) continue;
+            const Standing standing = standing_of(x, y);
+            if (standing != Standing::unknown) result.found.inverse_depth(x, y) = known(x, y);
+            if (standing == Standing::confirmed) result.confirmed.inverse_depth(x, y) = known(x, y);
         }
     return result;
 }
 
 }  // namespace
 
-std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options) {
+ConfirmedDepths confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options) {
     std::vector<DepthView> views;
     std::vector<std::size_t> swept;
     for (std::size_t i = 0; i < maps.size(); ++i)
@@ -162,10 +174,16 @@ std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const Confi
             swept.push_back(i);
         }
     const Sphere object = object_of(views);
-    std::vector<DepthMap> confirmed(maps.begin(), maps.end());
+    ConfirmedDepths result{std::vector<DepthMap>(maps.size()), std::vector<DepthMap>(maps.size())};
     parallel_for(
-        views.size(), [&](std::size_t i) { confirmed[swept[i]] = confirm(views, views[i], object, options); }, 1);
-    return confirmed;
+        views.size(),
+        [&](std::size_t i) {
+            auto [found, confirmed] = confirm(views, views[i], object, options);
+            result.found[swept[i]] = std::move(found);
+            result.confirmed[swept[i]] = std::move(confirmed);
+        },
+        1);
+    return result;
 }
 
 }  // namespace anyrate

@@ -14,11 +14,17 @@ struct ConfirmOptions {
     double least_agreement = 0.3;  ///< of the images, see DepthMap
 };
 
-/// Keeps of every depth map what enough others confirm: the point at a pixel, carried into another view, stands at the
-/// depth which that view's own map has there. Nor may half as many views contradict it: those that see through the
-/// point, and those that have a point of their own in front of it, on its ray. Everything else becomes unknown. Where a
-/// surface is seen too badly to be matched, some views find the same false depth; then others contradict them.
+/// What is left of depth maps, in their order; without the images' agreement, of which nobody asks any more.
+struct ConfirmedDepths {
+    std::vector<DepthMap> found;      ///< what enough other views find, whoever contradicts them
+    std::vector<DepthMap> confirmed;  ///< of that, what not half as many contradict
+};
+
+/// Keeps of every depth map what enough others find: the point at a pixel, carried into another view, stands at the
+/// depth which that view's own map has there. It is contradicted by the views that see through the point, and those
+/// that have a point of their own in front of it, on its ray. Everything else becomes unknown. Where a surface is seen
+/// too badly to be matched, some views find the same false depth; then others contradict them.
 /// Source: Merrell et al. 2007, "Real-time visibility-based fusion of depth maps" (stability-based fusion).
-std::vector<DepthMap> confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options = {});
+ConfirmedDepths confirm_depths(std::span<const DepthMap> maps, const ConfirmOptions& options = {});
 
 }  // namespace anyrate

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "core/memory.h"
 #include "core/mesh/topology.h"
-#include "core/parallel.h"
 #include "core/reconstruction/confirmed_depth.h"
 #include "core/reconstruction/depth_votes.h"
 #include "core/reconstruction/fairing.h"
@@ -47,12 +46,14 @@ constexpr double handle_loop_cells = 8.0;
 struct Carved {
     std::vector<OrientedPoint> points;
     VoteField votes;
+    std::vector<DepthMap> shown;  ///< what some views find, even if others contradict it
 };
 
-Carved carve_cavities(const VisualHull& hull, std::span<const DepthMap> swept) {
-    const std::vector<DepthMap> maps = confirm_depths(swept);
-    return {without_seen_through(hull.points, maps),
-            depth_votes(hull.lower, hull.upper, maps, {.spacing = vote_cells * hull.cell})};
+Carved carve_cavities(const VisualHull& hull, const PhotoImages& images) {
+    ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));
+    return {without_seen_through(hull.points, depths.confirmed),
+            depth_votes(hull.lower, hull.upper, depths.confirmed, {.spacing = vote_cells * hull.cell}),
+            std::move(depths.found)};
 }
 
 }  // namespace
@@ -62,29 +63,23 @@ InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images
         if (progress) progress({stage, fraction, 0, 0.0});
     };
     report(Stage::hull, 0.5);
-    const auto swept = plane_sweep(images, hull);
+    const Carved carved = carve_cavities(hull, images);
     give_back_freed_memory();
-    const Carved carved = carve_cavities(hull, swept);
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
-    const ScalarField field = poisson_field(carved.points, {.spacing = spacing}, carved.votes);
-    report(Stage::poisson, 0.5);
-    const Mesh surface = largest_component(iso_surface(field));
-    // What some views find is shown, even if others contradict it: the optimiser will find out.
-    ConfirmOptions contradicted;
-    contradicted.conflict_px = std::numeric_limits<double>::infinity();
-    std::vector<DepthMap> shown;
     InitialSurface initial;
-    parallel_invoke([&] { shown = confirm_depths(swept, contradicted); },
-                    [&] { initial.mesh = remove_small_handles(surface, handle_loop_cells * spacing); });
+    initial.mesh = largest_component(iso_surface(poisson_field(carved.points, {.spacing = spacing}, carved.votes)));
+    give_back_freed_memory();
+    report(Stage::poisson, 0.5);
+    initial.mesh = remove_small_handles(initial.mesh, handle_loop_cells * spacing);
     const std::vector<char> unseen = unseen_vertices(initial.mesh, images);
     stretch(initial.mesh, unseen);
     const std::vector<OrientedPoint> seen = without_unseen(hull.points, images);
-    initial.guessed = GuessedSurface(
-        guessed_points(initial.mesh, unseen, {hull.points, seen}, shown, {.reach = hull_reach_cells * hull.cell}),
-        reach_cells * spacing);
+    initial.guessed = GuessedSurface(guessed_points(initial.mesh, unseen, {hull.points, seen}, carved.shown,
+                                                    {.reach = hull_reach_cells * hull.cell}),
+                                     reach_cells * spacing);
     report(Stage::poisson, 1.0);
     return initial;
 }

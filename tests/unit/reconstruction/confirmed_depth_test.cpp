@@ -33,13 +33,13 @@ int n_known(const DepthMap& map) {
 
 TEST_CASE("Confirmed depth: what all views find alike is kept") {
     const auto maps = walls({4, 4.2, 4.4});
-    for (const DepthMap& map : confirm_depths(maps)) CHECK(map.inverse_depth(16, 16) > 0);
+    for (const DepthMap& map : confirm_depths(maps).confirmed) CHECK(map.inverse_depth(16, 16) > 0);
 }
 
 TEST_CASE("Confirmed depth: what one view finds alone is unknown") {
     auto maps = walls({4, 4.2, 4.4, 4.6, 4.8});
     move_middle(maps[0], 4, 1);
-    const auto confirmed = confirm_depths(maps);
+    const auto confirmed = confirm_depths(maps).confirmed;
     CHECK(confirmed[0].inverse_depth(16, 16) == 0);
     CHECK(confirmed[1].inverse_depth(16, 16) > 0);
 }
@@ -47,10 +47,8 @@ TEST_CASE("Confirmed depth: what one view finds alone is unknown") {
 TEST_CASE("Confirmed depth: a place behind the wall that three views agree on falls to those that see the wall") {
     auto maps = walls({4, 4.2, 4.4, 4.6, 4.8});
     for (std::size_t i = 0; i < 3; ++i) move_middle(maps[i], 4 + 0.2 * static_cast<double>(i), 1);
-    ConfirmOptions without_conflicts;
-    without_conflicts.conflict_px = 1e9;
-    CHECK(confirm_depths(maps, without_conflicts)[0].inverse_depth(16, 16) > 0);
-    const auto confirmed = confirm_depths(maps);
+    const auto [found, confirmed] = confirm_depths(maps);
+    CHECK(found[0].inverse_depth(16, 16) > 0);
     CHECK(confirmed[0].inverse_depth(16, 16) == 0);
     CHECK(confirmed[0].inverse_depth(2, 16) > 0);
 }
@@ -58,13 +56,13 @@ TEST_CASE("Confirmed depth: a place behind the wall that three views agree on fa
 TEST_CASE("Confirmed depth: a screen in front of the wall falls to those that see through it") {
     auto maps = walls({4, 4.2, 4.4, 4.6, 4.8, 5.0, 5.2});
     for (std::size_t i = 3; i < 6; ++i) move_middle(maps[i], 4 + 0.2 * static_cast<double>(i), -1);
-    CHECK(n_known(confirm_depths(maps)[3]) < n_known(maps[3]));
+    CHECK(n_known(confirm_depths(maps).confirmed[3]) < n_known(maps[3]));
 }
 
 TEST_CASE("Confirmed depth: a view without a depth map is left as it is") {
     auto maps = walls({4, 4.2, 4.4});
     maps.emplace_back();
-    const auto confirmed = confirm_depths(maps);
+    const auto confirmed = confirm_depths(maps).confirmed;
     REQUIRE(confirmed.size() == 4);
     CHECK(confirmed[3].inverse_depth.pixels.empty());
     CHECK(confirmed[0].inverse_depth(16, 16) > 0);
