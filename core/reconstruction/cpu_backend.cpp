@@ -25,6 +25,7 @@ public:
         // A pixel of a coarse level asks for no finer depth than its own quarters.
         VisibilityOptions options;
         options.finest_level = std::max(level - 1, options.finest_level);
+        visibility_.reset();  // before the next one takes as much memory
         visibility_ = std::make_unique<Visibility>(images_, surface, options, faces);
         const OneRings rings(surface);
         faces_.resize(surface.triangles.size());
