@@ -28,14 +28,17 @@ DistortionPoint point_of(std::span<const TriangleDistortion> distortions) {
 }  // namespace
 
 BatchSize batch_size(int n_vertices, double growth, const RefineOptions& options) {
-    const int wanted = (options.n_vertices - n_vertices) / 3;
-    const int grown = std::max(1, static_cast<int>(std::lround(growth * n_vertices / 3)));
-    // A last crumb joins its predecessor.
-    const int taken = wanted < grown + grown / 3 ? wanted : grown;
+    // Whole batches, all of the same growth: a crumb at the end would cost a whole measurement.
+    const double to_grow = static_cast<double>(options.n_vertices) / n_vertices;
+    const double n_batches = std::max(1.0, std::round(std::log(to_grow) / std::log1p(growth)));
+    const double even_growth = std::pow(to_grow, 1 / n_batches) - 1;
+    const int grown = std::max(1, static_cast<int>(std::lround(even_growth * n_vertices / 3)));
+    const int taken = n_batches > 1 ? grown : (options.n_vertices - n_vertices) / 3;
     if (options.by_area) return {taken, taken};
     // The images bear some out better than was expected, others not at all. A last batch that takes few may leave a
-    // crumb at the price of a whole measurement: it tries twice as many.
-    const int tried = taken < grown ? std::min(2 * taken, grown) : taken;
+    // crumb: it tries twice as many.
+    const int usual = static_cast<int>(growth * n_vertices / 3);
+    const int tried = taken < usual ? std::min(2 * taken, usual) : taken;
     return {std::max(fewest_tried, static_cast<int>((1 + spare_splits) * tried)), taken};
 }
 

@@ -114,7 +114,7 @@ TECHNIQUES = [
         "approach",
         "the log's splits approach that surface instead of following the images once more",
         CORE + "reconstruct.cpp",
-        "constexpr double approached_part = 4;",
+        "constexpr double approached_part = 8;",
         "constexpr double approached_part = 0;",
     ),
     Technique(

@@ -100,6 +100,24 @@ TEST_CASE("Batch: the highest score is always taken") {
     CHECK(select_batch(mesh, std::vector<double>(scores.size(), 0.0), 5).empty());
 }
 
+TEST_CASE("Batch size: batches of one growth, near the one asked for, lead to the count without a crumb") {
+    for (const int n_vertices : {3000, 10'000, 20'000}) {
+        const RefineOptions options{.n_vertices = n_vertices};
+        double least = 1, most = 0;
+        for (int n = 2500; n + 3 <= n_vertices;) {
+            const int added = 3 * batch_size(n, 0.2, options).taken;
+            REQUIRE(added > 0);
+            least = std::min(least, static_cast<double>(added) / n);
+            most = std::max(most, static_cast<double>(added) / n);
+            n += added;
+            CHECK(n <= n_vertices);
+        }
+        CHECK(least > 0.16);
+        CHECK(most < 0.25);
+        CHECK(most < 1.02 * least);
+    }
+}
+
 TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, on the fitted surface") {
     RefinableMesh state(on_grid(icosphere(2), unit_grid), unit_grid, {});
     GrowingDistortion backend;
@@ -219,9 +237,9 @@ TEST_CASE("Reconstruct: Psi falls at every batch that follows the images, also w
             pixel = {disturbed(pixel.r, 8), disturbed(pixel.g, 14), disturbed(pixel.b, 20)};
         }
     Recorder recorder;
-    const ReconstructOptions options{.n_vertices = 900, .n_coarse = 100};
+    const ReconstructOptions options{.n_vertices = 1600, .n_coarse = 100};
     std::vector<CurvePoint> curve = reconstruct(noisy, options, recorder).curve;
-    std::erase_if(curve, [&](const CurvePoint& p) { return p.n_vertices < 4 * options.n_coarse; });  // approaching
+    std::erase_if(curve, [&](const CurvePoint& p) { return p.n_vertices < 8 * options.n_coarse; });  // approaching
     REQUIRE(curve.size() > 3);
     for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].psi < curve[i - 1].psi);
 }

@@ -96,8 +96,8 @@ const Capture& noisy_capture() {
     return capture;
 }
 
-/// Of whose log the first half approaches the fitted surface, the second follows the images.
-const ReconstructOptions small{.n_vertices = 800, .n_coarse = 100};
+/// Whose log approaches the fitted surface up to 800 vertices and follows the images from there on.
+const ReconstructOptions small{.n_vertices = 1200, .n_coarse = 100};
 
 struct Undisturbed {
     Recorder recorder;
