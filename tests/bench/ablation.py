@@ -51,8 +51,8 @@ TECHNIQUES = [
         "long_range_start",
         "depths of a plane sweep open the hull's lids over cavities",
         CORE + "initial_mesh.cpp",
-        "const std::vector<DepthMap> maps = confirm_depths(swept);",
-        "const std::vector<DepthMap> maps;",
+        "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));",
+        "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull)); depths.confirmed.clear();",
     ),
     Technique(
         "guesses",
@@ -107,8 +107,8 @@ TECHNIQUES = [
         "fine_surface",
         "base and splits are fitted to a surface that was refined by the images, not to an even mesh",
         CORE + "reconstruct.cpp",
-        "Mesh fitted_mesh = fixed_rate ? mesh : fine_surface(*backend, start, stop);",
-        "Mesh fitted_mesh = mesh;",
+        "Mesh fitted_mesh = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);",
+        "Mesh fitted_mesh = mesh; static_cast<void>(n_approaching);",
     ),
     Technique(
         "approach",
