@@ -131,10 +131,20 @@ TEST_CASE("keep_every, crop, resample: views and sizes are those asked for") {
     CHECK(capture.views[1].camera.width == 40);
 }
 
-TEST_CASE("paint_plain: on a plain sphere neighbouring pixels are nearly alike") {
-    Capture capture = sphere_capture(3, 160);
-    bench::paint_plain(capture, icosphere(5), 1);
-    const ColourImage& image = capture.views[0].image;
-    const int x = image.width / 2, y = image.height / 2;
-    for (int i = -10; i < 10; ++i) CHECK(std::abs(image(x + i, y).g - image(x + i + 1, y).g) < 8);
+TEST_CASE("fade_texture: neighbouring pixels of a sphere differ by the part that is kept, and by noise") {
+    const Capture photographs = sphere_capture(3, 160);
+    const auto mean_difference = [&](double kept) {
+        Capture capture = photographs;
+        bench::fade_texture(capture, icosphere(5), kept, 1);
+        const ColourImage& image = capture.views[0].image;
+        double sum = 0;
+        for (int y = image.height / 2 - 20; y < image.height / 2 + 20; ++y)
+            for (int x = image.width / 2 - 20; x < image.width / 2 + 20; ++x)
+                sum += std::abs(image(x, y).g - image(x + 1, y).g);
+        return sum / (40 * 40);
+    };
+    const double textured = mean_difference(1);
+    REQUIRE(textured > 8);
+    CHECK(mean_difference(0.5) == doctest::Approx(0.5 * textured).epsilon(0.2));
+    CHECK(mean_difference(0) < 2);  // of two levels with noise of one: 1.1, and the shading's slope
 }

@@ -1,7 +1,7 @@
 // Makes a worse capture of a good one, to see what a reconstruction makes of it. Several perturbations are applied in
 // the order of the list below. If CAPTURE is a folder with a gt.ply, OUT gets one in its own world.
 //
-// usage: perturb_capture CAPTURE -o OUT [--cameras FILE] [--seed N] [--keep-every N] [--plain] [--gain PART]
+// usage: perturb_capture CAPTURE -o OUT [--cameras FILE] [--seed N] [--keep-every N] [--texture PART] [--gain PART]
 //            [--grow-masks PX] [--pose-noise PX] [--resample FACTOR] [--crop PART] [--scale S] [--origin X,Y,Z]
 // prints {"views", "masks": share of the pixels}
 #include <filesystem>
@@ -22,8 +22,7 @@ struct Request {
     LoadOptions load;
     std::uint64_t seed = 1;
     int keep_every = 1, grow_masks = 0;
-    bool plain = false;
-    double gain = 0, pose_noise = 0, resample = 1, crop = 1, scale = 1;
+    double texture = 1, gain = 0, pose_noise = 0, resample = 1, crop = 1, scale = 1;
     std::vector<double> origin = {0, 0, 0};
 };
 
@@ -43,10 +42,10 @@ bench::Json perturb(const Request& request) {
     if (std::filesystem::exists(request.capture / "gt.ply")) truth = read_mesh(request.capture / "gt.ply");
 
     bench::keep_every(capture, request.keep_every);
-    if (request.plain) {
+    if (request.texture < 1) {
         if (!truth)
-            throw InputError((request.capture / "gt.ply").string() + ": missing; --plain needs the true surface");
-        bench::paint_plain(capture, *truth, request.seed);
+            throw InputError((request.capture / "gt.ply").string() + ": missing; --texture needs the true surface");
+        bench::fade_texture(capture, *truth, request.texture, request.seed);
     }
     if (request.gain > 0) bench::change_gain(capture, request.gain, request.seed);
     if (request.grow_masks != 0) bench::grow_masks(capture, request.grow_masks);
@@ -74,7 +73,8 @@ int main(int argc, char** argv) {
     app.add_option("--cameras", request.load.cameras_file, "name of the camera file")->capture_default_str();
     app.add_option("--seed", request.seed, "of everything random")->capture_default_str();
     app.add_option("--keep-every", request.keep_every, "of the views one in N")->check(CLI::PositiveNumber);
-    app.add_flag("--plain", request.plain, "no texture: clay instead of the photographs (needs gt.ply)");
+    app.add_option("--texture", request.texture, "0.25: faded to a quarter of its contrast; 0: clay (needs gt.ply)")
+        ->check(CLI::Range(0.0, 1.0));
     app.add_option("--gain", request.gain, "0.2: views brighter or darker by up to 20 %")->check(CLI::Range(0.0, 0.9));
     app.add_option("--grow-masks", request.grow_masks, "pixels; negative shrinks")->check(CLI::Range(-20, 20));
     app.add_option("--pose-noise", request.pose_noise, "pixels that every camera is off")

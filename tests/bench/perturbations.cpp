@@ -108,14 +108,25 @@ void crop(Capture& capture, double part, std::uint64_t seed) {
     }
 }
 
-void paint_plain(Capture& capture, const Mesh& surface, std::uint64_t seed) {
+void fade_texture(Capture& capture, const Mesh& surface, double kept, std::uint64_t seed) {
+    if (kept >= 1) return;
     const Model clay{
         .surface = surface, .normals = vertex_normals(surface), .appearance = [](const Vec3&, const Vec3& normal) {
             return Vec3(Vec3(0.55, 0.48, 0.42) * studio_light(normal));
         }};
+    // The photograph's own noise, one level, fades with it; with the clay's the sum has one level again.
+    const double noise = std::sqrt(1 - kept * kept) / (1 - kept);
+    const auto blend = [&](std::uint8_t photo, std::uint8_t plain) {
+        return static_cast<std::uint8_t>(std::lround(kept * photo + (1 - kept) * plain));
+    };
     for (std::size_t i = 0; i < capture.views.size(); ++i) {
         View& view = capture.views[i];
-        view.image = render_view(clay, view.camera, view.name, {.noise = 1.0, .seed = seed + i}).image;
+        const ColourImage plain = render_view(clay, view.camera, view.name, {.noise = noise, .seed = seed + i}).image;
+        for (std::size_t k = 0; k < plain.pixels.size(); ++k) {
+            Rgb8& pixel = view.image.pixels[k];
+            const Rgb8& p = plain.pixels[k];
+            pixel = {blend(pixel.r, p.r), blend(pixel.g, p.g), blend(pixel.b, p.b)};
+        }
     }
 }
 

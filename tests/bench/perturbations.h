@@ -30,7 +30,9 @@ void keep_every(Capture& capture, int n);
 /// Every view is cut to a window of `part` of its width and height, at a random place.
 void crop(Capture& capture, double part, std::uint64_t seed);
 
-/// The photographs of the same surface without any texture: plain clay under the simulation's light, with sensor noise.
-void paint_plain(Capture& capture, const Mesh& surface, std::uint64_t seed);
+/// The photographs as if the surface's texture were faded to a part of its contrast: blended with those of plain clay
+/// under the simulation's light, the sensor's noise staying what it is.
+/// @param kept  of the texture, from 0 (plain clay) to 1 (the photographs as they are)
+void fade_texture(Capture& capture, const Mesh& surface, double kept, std::uint64_t seed);
 
 }  // namespace anyrate::bench

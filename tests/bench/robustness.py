@@ -36,7 +36,9 @@ PERTURBATIONS = [
     Perturbation("masks_eroded_2px", ["--grow-masks", -2]),
     Perturbation("pose_noise_half_px", ["--pose-noise", 0.5]),
     Perturbation("every_other_view", ["--keep-every", 2]),
-    Perturbation("texture_poor", ["--plain"]),
+    Perturbation("texture_of_a_quarter", ["--texture", 0.25]),  # of the contrast
+    Perturbation("texture_of_a_tenth", ["--texture", 0.1]),
+    Perturbation("no_texture", ["--texture", 0]),
     Perturbation("cropped_to_70_percent", ["--crop", 0.7], hides_parts=True),
 ]
 OTHERS = ["second_ring", "handles"]
