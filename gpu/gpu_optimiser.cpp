@@ -18,12 +18,13 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 // As shaders/round.glsl has them.
 struct DeviceControl {
     double damping = 0, energy = 0, bending = 0, first_samples = 0;
-    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, weak_evidence, converged;
+    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, weak_evidence;
+    double converged, least_curvature;
     double more_damping, less_damping, least_damping, reach_px, beyond_px;
     std::int32_t n_taken = 0, n_refused = 0, falls = 0;
     std::int32_t n_steps, most_trials, n_trial_gates = 0, n_gates = 0, unused = 0;
 };
-static_assert(sizeof(DeviceControl) == 160);
+static_assert(sizeof(DeviceControl) == 184);
 struct DeviceGate {
     std::uint32_t n_groups = 0, is_open = 0, one = 1;
 };
@@ -54,7 +55,7 @@ std::string defines(const GraphicsDevice& device, bool is_first = false) {
            "\n";
 }
 
-DeviceControl control_of(const OptimiseRound& round, double damping) {
+DeviceControl control_of(const OptimiseRound& round, std::span<const double> pixels, double damping) {
     const RoundRules rules = round_rules();
     return {.damping = damping,
             .silhouette = round.options.silhouette,
@@ -62,8 +63,11 @@ DeviceControl control_of(const OptimiseRound& round, double damping) {
             .noisy_bending = rules.noisy_bending,
             .noisy_psi = rules.noisy_psi,
             .clean_psi = rules.clean_psi,
+            .faint_psi = rules.faint_psi,
+            .noise_psi = rules.noise_psi,
             .weak_evidence = rules.weak_evidence,
             .converged = rules.converged,
+            .least_curvature = least_curvature(pixels),
             .more_damping = rules.more_damping,
             .less_damping = rules.less_damping,
             .least_damping = rules.least_damping,
@@ -74,20 +78,16 @@ DeviceControl control_of(const OptimiseRound& round, double damping) {
 }
 
 /// What the device is told of each active vertex: the longest step, world units, and the edge around it in pixels.
-std::vector<double> fields_of(const OptimiseRound& round, const SurfaceView& surface,
-                              std::span<const double> pixel_sizes) {
+/// @param pixels  of the active vertices, world units
+std::vector<double> fields_of(const OptimiseRound& round, const SurfaceView& surface, std::span<const double> pixels) {
     const RoundRules rules = round_rules();
     const std::vector<double> edges = mean_edge_lengths(surface, round.rings);
     const std::size_t n = round.active.size();
     std::vector<double> fields(n_uploaded_fields * n);
     for (std::size_t i = 0; i < n; ++i) {
-        const auto faces = round.rings.faces(round.active[i]);
-        double pixel = 0;
-        for (const std::int32_t f : faces) pixel += pixel_sizes[at(f)];
-        pixel /= static_cast<double>(faces.size());
         const double edge = edges[at(round.active[i])];
-        fields[i] = std::min(round.options.max_step_px * pixel, rules.max_step_edges * edge);
-        fields[n + i] = edge / pixel;
+        fields[i] = std::min(round.options.max_step_px * pixels[i], rules.max_step_edges * edge);
+        fields[n + i] = edge / pixels[i];
     }
     return fields;
 }
@@ -173,14 +173,15 @@ RoundOutcome GpuOptimiser::run(const OptimiseRound& round, std::vector<Vec3>& ve
     work.write<std::int32_t>(head_, structure.head);
     work.write<std::int32_t>(structure_, structure.items);
     data_.reserve(sizeof(double) * n_fields * n_active);
-    work.write<double>(data_, fields_of(round, SurfaceView(vertices, round.triangles), pixel_sizes));
+    const std::vector<double> pixels = pixels_around(round, [&](std::int32_t face) { return pixel_sizes[at(face)]; });
+    work.write<double>(data_, fields_of(round, SurfaceView(vertices, round.triangles), pixels));
     vertex_normals_.reserve(sizeof(Vec3) * vertices.size());
     queries_.reserve(sizeof(DeviceQuery) * round.faces.size());
     entries_.reserve(sizeof(double) * n_entry_numbers * n_neighbours);
 
     const Sequence sequence{*this, round, vertices.size(), surface, terms, scene};
     // How many work groups each program of a trial and of the last step takes.
-    DeviceControl control = control_of(round, damping);
+    DeviceControl control = control_of(round, pixels, damping);
     std::vector<DeviceGate> gates;
     const Dispatch count = [&](const GlProgram& program, std::size_t n) {
         gates.push_back({program.n_groups(n), 0, 1});

@@ -7,7 +7,7 @@
 namespace anyrate {
 
 struct SurfaceSamples {
-    std::vector<Vec3> points;
+    std::vector<Vec3> points;         ///< world units
     std::vector<std::int32_t> faces;  ///< that they lie on
 };
 

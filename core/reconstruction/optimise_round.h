@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/silhouette_term.h"
@@ -29,11 +31,22 @@ struct RoundRules {
     double least_damping;   ///< and never falls below this
     double max_step_edges;  ///< longest step, mean edges around the vertex
     double clean_psi;       ///< squared colour units
+    double faint_psi;       ///< squared colour units
+    double noise_psi;       ///< squared colour units
     double noisy_psi;       ///< squared colour units
     double noisy_bending;   ///< in parts of the mean curvature of phi
     double weak_evidence;   ///< in parts of the mean curvature of phi
     double converged;       ///< in parts of the energy
 };
 RoundRules round_rules();
+
+/// @param pixel_size  of a face, world units: PhotoBackend::pixel_size()
+/// @return one per active vertex: its mean over the faces around
+std::vector<double> pixels_around(const OptimiseRound& round, const std::function<double(std::int32_t)>& pixel_size);
+
+/// What noise alone makes of the curvature of phi along a normal.
+/// @param pixels  of the active vertices, world units; not empty
+/// @return a sample, squared colour units per squared world unit
+double least_curvature(std::span<const double> pixels);
 
 }  // namespace anyrate

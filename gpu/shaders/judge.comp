@@ -6,7 +6,8 @@ layout(std430, binding = 6) readonly buffer Terms { float terms[]; };  // N_TERM
 // What silhouettes and smoothness weigh against phi in this round.
 void weigh(double psi) {
     const double noise = psi / noisy_psi;
-    const double contour = silhouette * (1 + 2 * noise) * max(psi, clean_psi);
+    const double price = max(psi, min(clean_psi, max(noise_psi, psi * psi / faint_psi)));
+    const double contour = silhouette * (1 + 2 * noise) * (first_samples > 0 ? price : clean_psi);
     double sum = 0, n_with_evidence = 0;
     for (int i = worker; i < n_active; i += WORKERS) {
         set_field(WEIGHT, i, field(WEIGHT, i) * contour);
@@ -26,7 +27,8 @@ void weigh(double psi) {
     sum = total(sum);
     n_with_evidence = total(n_with_evidence);
     const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0lf;
-    if (worker == 0) bending = (bending_part + noisy_bending * noise) * mean;
+    const double least = least_curvature * first_samples / n_active;
+    if (worker == 0) bending = (bending_part + noisy_bending * noise) * max(mean, least);
     for (int i = worker; i < n_active; i += WORKERS) {
         const double curvature = field(REST, i);
         set_field(REST, i, field(UMBRELLA, i) * (1 - curvature / (curvature + weak_evidence * mean)));
@@ -56,6 +58,7 @@ void main() {
     n = total(n);
 #if IS_FIRST
     if (worker == 0) first_samples = n;
+    meet();
     weigh(n > 0 ? phi / n : 0.0lf);
 #endif
     double regularity = 0;

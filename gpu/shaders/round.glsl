@@ -33,7 +33,8 @@ layout(std430, binding = 5) MAYBE_COHERENT buffer Control {
     double bending;        // weight of a squared umbrella
     double first_samples;  // at the start of the round
     // OptimiseOptions and RoundRules:
-    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, weak_evidence, converged;
+    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, weak_evidence, converged;
+    double least_curvature;  // that noise alone makes, a sample
     double more_damping, less_damping, least_damping, reach_px, beyond_px;
     int n_taken, n_refused;    // steps of the round, trials of the step
     int falls;                 // whether a step was taken by which the energy falls by enough to go on
