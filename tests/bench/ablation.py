@@ -149,7 +149,7 @@ TECHNIQUES = [
         "contour_price",
         "contours cost less where images show hardly more than their noise; here a tenth of the texture",
         CORE + "optimise_surface.cpp",
-        "constexpr double faint_psi = 5;",
+        "constexpr double faint_psi = 1.5;",
         "constexpr double faint_psi = 1e-9;",
         ["--texture", 0.1],
     ),
