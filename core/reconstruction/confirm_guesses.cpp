@@ -49,26 +49,38 @@ std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span
     return standings;
 }
 
-GuessedSurface surface_of(const Mesh& mesh, const OneRings& rings, std::span<const char> is_guessed) {
+/// The flagged vertices and the middles of the edges between them, each with a reach of half an edge: what is on the
+/// guess after the mesh was subdivided or simplified is near a point of it, what is beside it is not.
+GuessedSurface surface_of(const Mesh& mesh, std::span<const char> is_guessed) {
+    const OneRings rings(mesh);
     const std::vector<Vec3> normals = vertex_normals(mesh, rings);
     const std::vector<double> edges = mean_edge_lengths(mesh, rings);
     std::vector<OrientedPoint> points;
-    double reach = 0;
+    double sum_of_edges = 0;
     for (std::size_t v = 0; v < is_guessed.size(); ++v)
         if (is_guessed[v] != 0) {
             points.push_back({mesh.vertices[v], normals[v], 0.0});
-            reach += edges[v];
+            sum_of_edges += edges[v];
         }
     if (points.empty()) return {};
-    const auto n_points = static_cast<double>(points.size());
-    return GuessedSurface(std::move(points), reach / n_points);
+    const double reach = 0.5 * sum_of_edges / static_cast<double>(points.size());
+    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v) {
+        if (is_guessed[at(v)] == 0) continue;
+        for (const std::int32_t w : rings.neighbours(v))
+            if (w > v && is_guessed[at(w)] != 0)
+                points.push_back({0.5 * (mesh.vertices[at(v)] + mesh.vertices[at(w)]),
+                                  (normals[at(v)] + normals[at(w)]).normalized(), 0.0});
+    }
+    return GuessedSurface(std::move(points), reach);
 }
 
-GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed, Mesh& mesh,
-                            const ConfirmGuessOptions& options, const std::stop_token& stop) {
+/// @param guesses  one flag a vertex
+/// @return one flag a vertex: what is still a guess
+std::vector<char> confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, std::span<const char> guesses,
+                               Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
     const OneRings rings(mesh);
     const auto before = vertex_distortions(backend, mesh, rings);
-    const std::vector<Standing> standings = find_standings(guessed.vertices(mesh), before, rings, options.agreement);
+    const std::vector<Standing> standings = find_standings(guesses, before, rings, options.agreement);
     std::vector<char> on_trial(standings.size());
     std::vector<std::int32_t> active;
     for (std::size_t v = 0; v < standings.size(); ++v)
@@ -76,7 +88,8 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
             on_trial[v] = 1;
             active.push_back(static_cast<std::int32_t>(v));
         }
-    if (active.empty()) return {};
+    std::vector<char> is_guessed(standings.size(), 0);
+    if (active.empty()) return is_guessed;
 
     Mesh trial = mesh;
     fair(trial, on_trial, options.attachment);
@@ -108,24 +121,26 @@ GuessedSurface confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, con
         const auto is_far_off = [&](const std::optional<double>& G) { return *G > options.hopeless * *usual; };
         return usual && before[at(v)] && is_far_off(before[at(v)]) && (!after[at(v)] || is_far_off(after[at(v)]));
     };
-    std::vector<char> is_guessed(standings.size(), 0);
     for (const std::int32_t v : active) {
         const bool settled = is_settled(v);
         if (settled) mesh.vertices[at(v)] = trial.vertices[at(v)];
         is_guessed[at(v)] = !settled && (standings[at(v)] == Standing::guessed || is_hopeless(v));
     }
     fair(mesh, is_guessed, options.attachment);
-    return surface_of(mesh, rings, is_guessed);
+    return is_guessed;
 }
 
 }  // namespace
 
 GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
                                Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
-    GuessedSurface left = confirm_once(backend, silhouettes, guessed, mesh, options, stop);
-    for (int pass = 1; pass < options.passes && !stop.stop_requested(); ++pass)
-        left = confirm_once(backend, silhouettes, left, mesh, options, stop);
-    return left;
+    std::vector<char> guesses = guessed.vertices(mesh);
+    ConfirmGuessOptions of_pass = options;
+    for (int pass = 0; pass < options.passes && !stop.stop_requested(); ++pass) {
+        guesses = confirm_once(backend, silhouettes, guesses, mesh, of_pass, stop);
+        of_pass.coarsest_level = 0;
+    }
+    return surface_of(mesh, guesses);
 }
 
 }  // namespace anyrate

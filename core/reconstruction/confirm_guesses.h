@@ -9,10 +9,10 @@
 namespace anyrate {
 
 struct ConfirmGuessOptions {
-    int coarsest_level = 1;    ///< of the pyramid, where the guessed vertices start to move
+    int coarsest_level = 1;    ///< of the pyramid, where the guessed vertices start to move; later passes start finest
     int rounds = 3;            ///< a level
-    int passes = 3;            ///< what one confirms is ground that the next starts from
-    double attachment = 1e-2;  ///< of a guess to its place, see fair()
+    int passes = 5;            ///< what one confirms is ground that the next starts from
+    double attachment = 1e-4;  ///< of a guess to its place, see fair(); with 1e-2 bumps ten edges wide stay
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
     double hopeless = 100;     ///< a shown vertex with a larger G, on trial too or hidden there, is a guess; same unit
 };

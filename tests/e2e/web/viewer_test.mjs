@@ -221,6 +221,8 @@ test("Private server: a token is asked for, one that is wrong has its sentence, 
             await page.getByText("Upload and reconstruct").click();
             await page.waitForFunction(() => document.querySelector("main.model")?.dataset.vertices, undefined, { polling: 50 });
             await page.waitForFunction(() => document.querySelector(".title-line .chip")?.textContent === "Done");
+            // "Done" may stand there before the last batch is drawn, which is what the link will be to.
+            await page.waitForFunction((n) => Number(document.querySelector("main.model").dataset.vertices) > n, nVertices - 3);
             await settled(page);
             await page.waitForFunction(() => document.querySelector(".thumb img")?.naturalWidth > 0);
             const waiting = page.waitForEvent("download");

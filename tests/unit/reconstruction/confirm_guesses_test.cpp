@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/mesh/subdivide.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
@@ -122,6 +123,29 @@ TEST_CASE("Confirm guesses: a lump that the photographs contradict, and would no
         if (is_in_patch(v)) v *= 1 + 10 * (v.x() - 0.95);  // a cone
     const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
     CHECK(n_guessed(left, mesh) > 5);
+}
+
+TEST_CASE("Confirm guesses: a guess reaches to its border and no farther, on a subdivided mesh too") {
+    Scene scene;
+    Mesh mesh = icosphere(3);
+    const std::vector<char> is_guessed = patch_of(mesh).vertices(mesh);
+    const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, patch_of(mesh), mesh, {.passes = 0});
+    CHECK(left.vertices(mesh) == is_guessed);
+
+    const Mesh fine = subdivide(mesh);
+    const OneRings rings(fine);
+    const std::vector<char> is_guessed_there = left.vertices(fine);
+    for (std::size_t v = 0; v < fine.vertices.size(); ++v) {
+        if (v < is_guessed.size()) {
+            CHECK(is_guessed_there[v] == is_guessed[v]);
+            continue;
+        }
+        int n_ends = 0;  // of the edge that the vertex is the middle of
+        for (const std::int32_t w : rings.neighbours(static_cast<std::int32_t>(v)))
+            if (static_cast<std::size_t>(w) < is_guessed.size()) n_ends += is_guessed[static_cast<std::size_t>(w)];
+        if (n_ends == 2) CHECK(is_guessed_there[v] == 1);
+        if (n_ends == 0) CHECK(is_guessed_there[v] == 0);
+    }
 }
 
 TEST_CASE("Confirm guesses: nothing moves where the photographs agree and nothing was guessed") {
