@@ -30,7 +30,8 @@ std::optional<double> usual_distortion(std::span<const std::optional<double>> G,
 
 enum class Standing : char { shown, doubtful, guessed };
 
-// Guesses, and what is doubtful: shown by the images, which disagree there; and the surroundings of both.
+// Guesses, with the ring around them as far as no two views see it; what is doubtful: shown by the images, which
+// disagree there; and the surroundings of both.
 std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span<const std::optional<double>> G,
                                      const OneRings& rings, double agreement) {
     const std::optional<double> usual = usual_distortion(G, is_guessed);
@@ -41,6 +42,10 @@ std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span
         else if (usual && G[v] && *G[v] > agreement * *usual)
             standings[v] = Standing::doubtful;
     }
+    for (std::int32_t v = 0; v < static_cast<std::int32_t>(standings.size()); ++v)
+        if (standings[at(v)] == Standing::shown && !G[at(v)] &&
+            std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return is_guessed[at(w)] != 0; }))
+            standings[at(v)] = Standing::guessed;
     const std::vector<Standing> inner = standings;
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(inner.size()); ++v)
         if (inner[at(v)] == Standing::shown &&

@@ -74,6 +74,20 @@ TEST_CASE("Confirm guesses: what no photograph shows stays a guess and continues
         if (is_in_patch(v)) CHECK(std::abs(v.norm() - 1) < 0.05);
 }
 
+TEST_CASE("Confirm guesses: what no photograph shows beside a guess is one as well") {
+    Scene scene([](const View& view) { return view.camera.centre().normalized().x() < 0.1; });
+    Mesh mesh = icosphere(3);
+    std::vector<OrientedPoint> middle;
+    for (Vec3& v : mesh.vertices) {
+        const bool is_middle = v.x() > 0.98;
+        if (v.x() > 0.87) v *= 0.8;  // three rings more than the middle
+        if (is_middle) middle.push_back({v, v.normalized(), 0.0});
+    }
+    confirm_guesses(*scene.backend, scene.silhouettes, GuessedSurface(middle, 0.01), mesh);
+    for (const Vec3& v : mesh.vertices)
+        if (v.normalized().x() > 0.85) CHECK(std::abs(v.norm() - 1) < 0.06);
+}
+
 TEST_CASE("Confirm guesses: a dent that the photographs contradict goes, though it was no guess") {
     Scene scene;
     Mesh mesh = dented_sphere(0.8);
