@@ -62,6 +62,13 @@ TECHNIQUES = [
         "",
     ),
     Technique(
+        "spreading_guesses",
+        "what no two views see beside a guess becomes one",
+        CORE + "confirm_guesses.cpp",
+        "if (standings[at(v)] == Standing::shown && !G[at(v)] &&",
+        "if (false && !G[at(v)] &&",
+    ),
+    Technique(
         "coarse_to_fine",
         "vertices first move on coarse image levels",
         CORE + "reconstruct.cpp",
