@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan; then
-# lets each fuzz target look for new inputs for half a minute.
+# Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan, where
+# each fuzz target looks for new inputs for half a minute.
 # The last line is "N passed, N failed" (", N skipped" if any); the exit status is 0 only if tests ran and none failed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -39,21 +39,10 @@ all_tests() {
     run_tests "tests" build
 }
 
-# Each area for itself: the command line, servers and their end-to-end tests run once, unsanitized.
 sanitized_tests() {
-    local areas=() area
-    for area in tests/unit/* tests/property tests/contract tests/fuzz; do
-        if [ -f "$area/CMakeLists.txt" ]; then areas+=("$area"); fi
-    done
-    step "build with sanitizers" cmake --build build-asan --target "${areas[@]/%//all}" || return
+    step "build with sanitizers" cmake --build build-sanitized --target tests/all || return
     export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1
-    for area in "${areas[@]}"; do run_tests "sanitized ${area##*/}" "build-asan/$area"; done
-}
-
-# Instrumented by Clang, whose libFuzzer starts from the corpora beside the targets.
-fuzz_tests() {
-    step "build fuzz targets" cmake --build build-fuzz --target tests/fuzz/all || return
-    run_tests "fuzz" build-fuzz/tests/fuzz
+    run_tests "sanitized tests" build-sanitized
 }
 
 step "install" bash docker/install.sh || { echo "0 passed, 1 failed"; exit 1; }
@@ -62,10 +51,8 @@ mkdir -p build/reports
 rm -f build/reports/*.xml
 step "configure" cmake -S . -B build "${options[@]}" -DCMAKE_BUILD_TYPE=Release && all_tests
 # A debug build, so that assertions hold too, but optimised enough to end soon.
-step "configure with sanitizers" cmake -S . -B build-asan "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
-    -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_SANITIZE=ON && sanitized_tests
-step "configure fuzz targets" cmake -S . -B build-fuzz "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
-    -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_FUZZ=ON && fuzz_tests
+step "configure with sanitizers" cmake -S . -B build-sanitized "${options[@]}" -DCMAKE_BUILD_TYPE=Debug \
+    -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DANYRATE_SANITIZE=ON && sanitized_tests
 
 read -r passed failed skipped < <(python3 tests/count.py "${reports[@]}")
 failed=$((${failed:-1} + broken))

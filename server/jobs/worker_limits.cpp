@@ -14,7 +14,7 @@
 namespace anyrate {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef ANYRATE_SANITIZED
 constexpr bool can_limit_memory = false;  // the sanitizer's shadow is terabytes of private mapping
 #else
 constexpr bool can_limit_memory = true;

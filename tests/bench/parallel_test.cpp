@@ -1,5 +1,4 @@
 // Compiled twice: for oneTBB, and with ANYRATE_OPENMP for the program that pack_backend.sh packs.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "core/parallel.h"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,5 @@
 // What every BlobStore promises. Each implementation is a type with make() and a folder for files to adopt; a new one
 // joins the list of every test.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <memory>

@@ -1,5 +1,4 @@
 // What every Catalog promises. Each implementation is a type with make(); a new one joins the list at the end.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
 #include <map>

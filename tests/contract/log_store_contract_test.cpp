@@ -1,6 +1,5 @@
 // What every LogStore promises. Each implementation is a type with make() and an id() that it may hold; a new one joins
 // the list of every test.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 #include <unistd.h>

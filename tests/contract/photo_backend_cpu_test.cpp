@@ -1,4 +1,3 @@
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "optimise_round_contract.h"
 #include "photo_backend_contract.h"
 

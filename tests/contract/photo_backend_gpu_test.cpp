@@ -1,5 +1,4 @@
 // On whatever device there is; where no GPU is installed that is Mesa's llvmpipe.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include "gpu/egl_context.h"
 #include "gpu/gpu_backend.h"
 #include "optimise_round_contract.h"

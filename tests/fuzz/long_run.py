@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Lets the fuzz targets of a part look for inputs for hours; prints JSON: executions, coverage and processor time of each.
 
-usage: tests/fuzz/long_run.py [--build build-fuzz] [--part proto] [--hours 2] [--jobs 2] [--work FOLDER] [--out FILE]
+usage: tests/fuzz/long_run.py [--build build-sanitized] [--part proto] [--hours 2] [--jobs 2] [--work FOLDER] [--out FILE]
 
-Build the targets first, as tests/run.sh does (build-fuzz). Hours are of processor time, of all targets of the part together: a
+Build the targets first, as tests/run.sh does (build-sanitized). Hours are of processor time, of all targets of the part together: a
 machine that is busy with other things takes longer, and finds no less. Whichever target has had least runs next, on a copy of
 its corpus that grows in the work folder. A run that was stopped goes on where it was if it is given the same work folder: the
 inputs that it had kept, and the time and executions that its targets had had. The first finding ends everything (exit code 1):
@@ -113,7 +113,7 @@ def run_all(targets, wanted, jobs, tell):
 
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--build", type=pathlib.Path, default=ROOT / "build-fuzz")
+    options.add_argument("--build", type=pathlib.Path, default=ROOT / "build-sanitized")
     options.add_argument("--part", default="proto", help="a folder of tests/fuzz")
     options.add_argument("--hours", type=float, default=2, help="of processor time")
     options.add_argument("--jobs", type=int, default=os.cpu_count())

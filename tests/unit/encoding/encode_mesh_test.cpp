@@ -33,7 +33,7 @@ Encoded encode(const Mesh& mesh, const EncodeMeshOptions& options,
     return result;
 }
 
-constexpr EncodeMeshOptions small{.n_vertices = 2000, .n_coarse = 200};
+const EncodeMeshOptions small{.n_vertices = 2000, .n_coarse = 200};
 
 }  // namespace
 

@@ -112,7 +112,7 @@ TEST_CASE("Sandbox: a link out of the folder leads nowhere") {
 }
 
 TEST_CASE("Sandbox: threads and memory are there") {
-#if !defined(__SANITIZE_ADDRESS__)  // UBSan looks at a thread's virtual table through a pipe, which the sandbox forbids
+#ifndef ANYRATE_SANITIZED  // UBSan looks at a thread's virtual table through a pipe, which the sandbox forbids
     Fixture f;
     CHECK(f.sandboxed([&] {
         int n = 0;
@@ -123,7 +123,7 @@ TEST_CASE("Sandbox: threads and memory are there") {
 }
 
 TEST_CASE("Worker limits: memory beyond the limit is not to be had") {
-#if !defined(__SANITIZE_ADDRESS__)
+#ifndef ANYRATE_SANITIZED
     const auto allocates = [](std::size_t n_bytes) {
         return in_child([=] {
             apply_worker_limits({.memory_bytes = 256u << 20});

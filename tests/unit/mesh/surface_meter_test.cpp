@@ -112,14 +112,14 @@ TEST_CASE("Normal fit: no move turns a face over, however far the surface is") {
     std::iota(all.begin(), all.end(), 0);
     fit_along_normals(lens, all, meter, {.most_edges = 2});
     bool any_moved = false;
-    for (const auto& [a, b, c] : lens.triangles) {
+    for (const auto& corners : lens.triangles) {
         const auto normal_in = [&](const Mesh& mesh) {
-            const auto at = [&](std::int32_t v) { return mesh.vertices[static_cast<std::size_t>(v)]; };
-            return twice_area_vector(at(a), at(b), at(c)).normalized();
+            const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(corners[k])]; };
+            return twice_area_vector(at(0), at(1), at(2)).normalized();
         };
         CHECK(normal_in(before).dot(normal_in(lens)) >= 0.5 - 1e-12);
-        any_moved =
-            any_moved || lens.vertices[static_cast<std::size_t>(a)] != before.vertices[static_cast<std::size_t>(a)];
+        any_moved = any_moved || lens.vertices[static_cast<std::size_t>(corners[0])] !=
+                                     before.vertices[static_cast<std::size_t>(corners[0])];
     }
     CHECK(any_moved);
 }

@@ -100,7 +100,7 @@ TEST_CASE(
             if (!is_seen) continue;
             CHECK(static_cast<double>(samples.inverse_z[lane]) == doctest::Approx(1 / z));
             for (std::size_t k = 0; k < 3; ++k) {
-                CHECK(samples.colour[k][lane] == doctest::Approx(expected.c[k]).epsilon(1e-3));
+                CHECK(float(samples.colour[k][lane]) == doctest::Approx(expected.c[k]).epsilon(1e-3));
                 CHECK(std::abs(samples.dx[k][lane] - expected.dx[k]) < 0.02F);
                 CHECK(std::abs(samples.dy[k][lane] - expected.dy[k]) < 0.02F);
             }
