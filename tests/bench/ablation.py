@@ -118,6 +118,13 @@ TECHNIQUES = [
         "Mesh fitted_mesh = mesh; static_cast<void>(n_approaching);",
     ),
     Technique(
+        "polish",
+        "that surface is untangled, and its vertices move together once more",
+        CORE + "reconstruct.cpp",
+        "return polished(state.to_mesh(), backend, start, stop);",
+        "return state.to_mesh();",
+    ),
+    Technique(
         "approach",
         "the log's splits approach that surface instead of following the images once more",
         CORE + "reconstruct.cpp",
