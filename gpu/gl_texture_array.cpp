@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <cmath>
 #include <string>
 
 #include "core/error.h"
@@ -18,12 +19,25 @@ void require_at_most(GLenum limit, int value, const char* what) {
                           " in a texture, " + std::to_string(value) + " are needed");
 }
 
+/// NVIDIA's driver (580) ends the program when it is asked for terabytes, instead of an error: where a driver says what
+/// memory there is, it is asked first.
+void require_memory(double n_bytes) {
+    if (!epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return;
+    GLint n_kib = 0;
+    glGetIntegerv(GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, &n_kib);
+    const double most = 1024.0 * n_kib;
+    if (n_bytes > most)
+        throw DeviceError("OpenGL: this device has the memory for " + std::to_string(std::llround(most)) +
+                          " bytes, a texture needs " + std::to_string(std::llround(n_bytes)));
+}
+
 }  // namespace
 
 GlTextureArray::GlTextureArray(int width, int height, int n_layers, int n_levels) {
     require_at_most(GL_MAX_TEXTURE_SIZE, width, "columns");
     require_at_most(GL_MAX_TEXTURE_SIZE, height, "rows");
     require_at_most(GL_MAX_ARRAY_TEXTURE_LAYERS, n_layers, "layers");
+    require_memory(4.0 * width * height * n_layers);  // the coarser levels are a third as much
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &id_);
     glTextureStorage3D(id_, n_levels, GL_R32UI, width, height, n_layers);
     glTextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
