@@ -12,7 +12,8 @@ namespace anyrate {
 /// most, optimises the three new and six old vertices of every split of the batch together, and writes what the decoder
 /// will see. The state is always the decoded one (closed loop). Differs from the paper, which takes one triangle of
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
-/// moving the three middles is expected to bring, since phi alone stays high at texture edges that no split can mend.
+/// moving the three middles is expected to bring and by a part of phi, which alone stays high at texture edges that no
+/// split can mend.
 /// That is how the fitted surface itself comes about (refine_by_images()). A log's batches bring its state nearer to
 /// that surface, which knows more than the images tell of facets as coarse as the log's first ones, and take the images
 /// for witnesses only beyond it (RefineOptions::n_approached), if they do not disagree too much (most_credible_psi).

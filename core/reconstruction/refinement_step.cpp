@@ -8,8 +8,7 @@
 namespace anyrate {
 namespace {
 
-constexpr double spare_splits = 0.25;  ///< tried beyond those taken, in parts of a batch; pot at 5,000: -6 %
-constexpr int fewest_tried = 40;       ///< splits of a batch
+constexpr int fewest_tried = 40;  ///< splits of a batch
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -39,7 +38,7 @@ BatchSize batch_size(int n_vertices, double growth, const RefineOptions& options
     // crumb: it tries twice as many.
     const int usual = static_cast<int>(growth * n_vertices / 3);
     const int tried = taken < usual ? std::min(2 * taken, usual) : taken;
-    return {std::max(fewest_tried, static_cast<int>((1 + spare_splits) * tried)), taken};
+    return {std::max(fewest_tried, tried), taken};
 }
 
 std::vector<double> split_scores(const Mesh& mesh, std::vector<double> scores, std::span<const char> is_guessed,
@@ -72,8 +71,6 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     const std::vector<TriangleQuery> queries = whole_surface(surface);
     StateDistortion result;
     result.terms = backend.terms(queries, corner_normals(surface));
-    result.pixel_sizes.reserve(queries.size());
-    for (const TriangleQuery& query : queries) result.pixel_sizes.push_back(backend.pixel_size(query.face));
     std::vector<TriangleDistortion> distortions;
     distortions.reserve(result.terms.size());
     for (const TriangleTerms& t : result.terms) distortions.push_back(t.distortion);
@@ -85,7 +82,7 @@ StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh
     const Mesh mesh = state.to_mesh();
     const SurfaceView surface(mesh);
     backend.set_surface(surface, 0, samples_per_px);
-    return {point_of(backend.distortions(whole_surface(surface))), {}, {}};
+    return {point_of(backend.distortions(whole_surface(surface))), {}};
 }
 
 }  // namespace anyrate

@@ -35,9 +35,7 @@ struct RefinementScene {
     const PhotoImages& images;
     Silhouettes& silhouettes;
     const GuessedSurface& guessed;
-    /// A finer surface that the images have been asked about already. Where splits follow the images new vertices start
-    /// there, and where it leaves a face, a split is expected to pay even if the images, compared across the gap, do
-    /// not say so.
+    /// A finer surface that the images have been asked about already.
     const TrueSurface& fitted;
 };
 
@@ -45,7 +43,6 @@ struct RefinementScene {
 struct StateDistortion {
     DistortionPoint point;
     std::vector<TriangleTerms> terms;  ///< one per face; none if they were not asked for
-    std::vector<double> pixel_sizes;   ///< one per face: of a pixel of the photographs there, world units; or none
 };
 /// @param samples_per_px  C of Eq. 7 (Nghiem et al.), per pixel of the photographs
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
