@@ -22,8 +22,7 @@ std::vector<std::int32_t> tangled_vertices(const Mesh& mesh) {
         for (const std::int32_t face : {f, g})
             vertices.insert(vertices.end(), mesh.triangles[at(face)].begin(), mesh.triangles[at(face)].end());
     std::sort(vertices.begin(), vertices.end());
-    const auto doubled = std::ranges::unique(vertices);
-    vertices.erase(doubled.begin(), doubled.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     return vertices;
 }
 
