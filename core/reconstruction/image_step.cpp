@@ -1,7 +1,6 @@
 #include "core/reconstruction/image_step.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <numeric>
@@ -29,8 +28,9 @@ double expected_gain(const TriangleTerms& terms) {
     return gain;
 }
 
-/// What a split of each face promises by what the images say: the decrease that is expected, and a part of what cannot
-/// be told from where the surface is. By either alone errors are 1 to 3 % larger.
+/// What a split of each face promises by what the images say: the decrease that is expected, and a part of phi, since
+/// a parabola knows of the nearest minimum only. Of nefertiti, pot and bowl errors are up to 2 % larger by the gain
+/// alone; by phi alone nefertiti's are up to 3 % larger, the bowl's 1 % smaller.
 std::vector<double> photo_scores(std::span<const TriangleTerms> terms) {
     std::vector<double> scores;
     scores.reserve(terms.size());

@@ -17,6 +17,7 @@ std::unique_ptr<PhotoBackend> make_on_any_device(const PhotoImages& images, Samp
 TEST_CASE("PhotoBackend contract: the GPU backend keeps it") { check_photo_backend(make_on_any_device, 1e-6); }
 
 TEST_CASE("PhotoBackend contract: rounds of local optimisation on the GPU backend keep it") {
-    // Six rounds after one another lead llvmpipe less than 0.001 pixels away from the CPU, an NVIDIA H200 0.0041.
-    check_optimise_round(make_on_any_device, 0.01);
+    // A GPU rounds as it likes: six rounds after one another lead an NVIDIA H200 0.0041 pixels away from the CPU.
+    const bool is_software = EglContext(DeviceChoice::any).device().is_software;
+    check_optimise_round(make_on_any_device, is_software ? 0.001 : 0.01);
 }
