@@ -39,6 +39,7 @@ if [ ! -d "$demo/capture" ]; then
 fi
 
 echo "== serve"
+: >"$demo/serve.log"  # there before it is read: the server's own start may come later
 "$anyrate" serve --listen "$listen" --data "$demo/data" >"$demo/serve.log" 2>&1 &
 server=$!
 trap 'kill "$server" 2>/dev/null && wait "$server" || true' EXIT
