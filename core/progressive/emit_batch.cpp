@@ -9,9 +9,9 @@
 namespace anyrate {
 namespace {
 
-/// No vertex moves further in one split than about half an edge (edge / 80 is a step): what wants to go on can do so in
-/// a later batch, and a needle's erratic normal cannot throw a spike.
-constexpr double largest_scalar = 40;
+/// Edges: no vertex moves further in one split. What wants to go on can do so in a later batch, and a needle's erratic
+/// normal cannot throw a spike.
+constexpr double longest_move = 0.5;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -40,18 +40,19 @@ std::vector<SplitRecord> emit_batch(RefinableMesh& state, std::span<const std::i
     std::vector<SplitRecord> records;
     records.reserve(batch.size());
     const Grid grid = state.grid();
+    const double steps_per_edge = state.rules().step_ratio, longest = longest_move * steps_per_edge;
     const auto choose = [&](const ScalarSite& site) -> std::int32_t {
         const Target& target = wanted[at(site.vertex)];
         if (!target.place) return 0;
         const Vec3 target_in_grid = (*target.place - grid.origin) / grid.unit;
         const double steps = (target_in_grid - site.position).dot(site.normal) / site.step;
-        const double possible = std::clamp(steps, -largest_scalar, largest_scalar);
+        const double possible = std::clamp(steps, -longest, longest);
         const bool is_new = site.slot < 3;
         if (rounding.bit_price > 0) {
             const double step = site.step * grid.unit;
             return cheapest_scalar(possible, target.cost * step * step, rounding.bit_price, is_new);
         }
-        if (!is_new && std::abs(steps) < rounding.dead_zone) return 0;
+        if (!is_new && std::abs(steps) < rounding.dead_zone * steps_per_edge) return 0;
         return static_cast<std::int32_t>(std::lround(possible));
     };
     for (std::size_t k = 0; k < batch.size(); ++k) {

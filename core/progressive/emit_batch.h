@@ -20,7 +20,7 @@ struct BatchTargets {
 
 /// How the way to a target becomes a whole number of steps.
 struct Rounding {
-    double dead_zone = 0.75;  ///< steps: vertices from before the split that are nearer to their targets stay put
+    double dead_zone = 0.01;  ///< edges: vertices from before the split that are nearer to their targets stay put
     double bit_price = 0;     ///< if above 0, distortion that a bit is worth: cheapest_scalar() decides instead
 };
 

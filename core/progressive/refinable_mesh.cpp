@@ -59,6 +59,7 @@ RefinableMesh::RefinableMesh(const BaseMesh& base, const Grid& grid, const Refin
 int RefinableMesh::n_vertices() const { return connectivity_.n_vertices(); }
 int RefinableMesh::n_faces() const { return connectivity_.n_faces(); }
 const Grid& RefinableMesh::grid() const { return grid_; }
+const RefinementRules& RefinableMesh::rules() const { return rules_; }
 
 void RefinableMesh::move_grid(const Vec3& origin, double unit) {
     grid_.origin = origin;

@@ -49,6 +49,7 @@ public:
     int n_vertices() const;
     int n_faces() const;
     const Grid& grid() const;
+    const RefinementRules& rules() const;
     /// Has the grid stand elsewhere in the world, or at another scale: no integer changes.
     void move_grid(const Vec3& origin, double unit);
     std::span<const GridPoint> positions() const;

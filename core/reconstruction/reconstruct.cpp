@@ -35,7 +35,9 @@ constexpr double first_part = 0.2;      ///< of the subdivided mesh's vertices, 
 constexpr double fine_part = 1.0;       ///< of the same, until which; 0.85: pot 3 % faster and at 10,000 7 % worse
 constexpr double fine_over_log = 1.2;   ///< or vertices of the log that approaches it, if that is more
 constexpr double fine_growth = 0.35;    ///< see RefineOptions; with 0.25 the pot is 2 % better, after two batches more
+constexpr int fine_steps = 320;         ///< an edge, of the fine surface, which nobody has to transmit
 constexpr double fine_bending = 0.02;   ///< see OptimiseOptions, when it moves as one; 0.08: pot 5 % worse
+constexpr int log_steps = 160;          ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
 constexpr double approached_part = 8;   ///< coarse counts of vertices up to which the log approaches that surface
 constexpr int samples_per_vertex = 10;  ///< of that surface, which stand for it when the base is fitted
 constexpr int fewest_even = 1000;       ///< vertices of that mesh: fewer may not carry the surface
@@ -201,9 +203,9 @@ Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const 
     parallel_invoke([&] { fitted.emplace(sampled(even)); },
                     [&] { base = decimate(even, part(first_part)); });  // fitted like a log's it is no better start
     const Grid grid = make_grid(base, n_vertices);
-    RefinableMesh state(to_base(base, grid), grid, {});
+    RefinableMesh state(to_base(base, grid), grid, {.step_ratio = fine_steps});
     refine_by_images(state, backend, {start.images, start.silhouettes, start.guessed, *fitted},
-                     {.n_vertices = n_vertices, .growth = fine_growth}, stop);
+                     {.n_vertices = n_vertices, .growth = fine_growth, .dead_zone = 0.0025}, stop);
     return polished(state.to_mesh(), backend, start, stop);
 }
 
@@ -219,7 +221,7 @@ RefineOptions refine_options(const ReconstructOptions& options) {
 /// Gives the sink the base with its attributes. @return the state that every decoder has then, in the own frame
 RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
                         PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
-    const RefinementRules rules;
+    const RefinementRules rules{.step_ratio = log_steps};
     RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
     const Mesh as_decoded = state.to_mesh();
     sink.base_attributes(vertex_colours(images, as_decoded, vertex_spacing(as_decoded, options.n_vertices)),

@@ -17,7 +17,7 @@ struct RefineOptions {
     int n_vertices = 10'000;
     double growth = 0.16;        ///< vertices a batch adds, in parts of what is there; 0.12 is no better, 0.2 is worse
     double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
-    double dead_zone = 0.75;     ///< updates of old vertices below this many steps are not sent
+    double dead_zone = 0.01;     ///< updates of old vertices below this part of an edge are not sent
     /// Of a state on which the images disagree more than this (squared colour units) they are no witness of what its
     /// vertices are to do: the splits approach the fitted surface instead. The Oxford dinosaur has 1,280, the synthetic
     /// captures 12 to 84. Its images followed, 58 faces of 10,000 vertices cut others, else none, and 20,000 vertices
