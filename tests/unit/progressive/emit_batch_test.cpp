@@ -100,7 +100,34 @@ TEST_CASE("Emit: no scalar beyond half an edge, none for a vertex without a targ
     CHECK(record.update == std::array<std::int32_t, 6>{});
 
     targets.new_vertices[0] = {Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3)};
-    state = start;
-    record = emit_batch(state, batch, targets, {}, {.dead_zone = 1e9}).at(0);
-    for (std::int32_t scalar : record.residual) CHECK(std::abs(scalar) == 40);
+    for (const int step_ratio : {20, 80, 320}) {
+        CAPTURE(step_ratio);
+        state = RefinableMesh({{start.positions().begin(), start.positions().end()},
+                               {start.triangles().begin(), start.triangles().end()}},
+                              start.grid(), {.step_ratio = step_ratio});
+        record = emit_batch(state, batch, targets, {}, {.dead_zone = 1e9}).at(0);
+        for (std::int32_t scalar : record.residual) CHECK(std::abs(scalar) == step_ratio / 2);
+    }
+}
+
+TEST_CASE("Emit: the dead zone is a part of an edge, whatever the steps") {
+    const RefinableMesh start = disc();
+    const std::vector<std::int32_t> batch{200};
+    const Triangle t = start.triangles()[200];
+    BatchTargets targets = stay(start, 1);
+    const Mesh mesh = start.to_mesh();
+    const double edge = (mesh.vertices[at(t[0])] - mesh.vertices[at(t[1])]).norm();
+    for (Vec3& v : targets.old_vertices) v += 0.1 * edge * v.normalized();
+    for (const int step_ratio : {80, 320}) {
+        CAPTURE(step_ratio);
+        const auto moved = [&](double dead_zone) {
+            RefinableMesh state({{start.positions().begin(), start.positions().end()},
+                                 {start.triangles().begin(), start.triangles().end()}},
+                                start.grid(), {.step_ratio = step_ratio});
+            const SplitRecord record = emit_batch(state, batch, targets, {}, {.dead_zone = dead_zone}).at(0);
+            return std::ranges::count_if(record.update, [](std::int32_t scalar) { return scalar != 0; });
+        };
+        CHECK(moved(0.5) == 0);
+        CHECK(moved(0.001) >= 4);
+    }
 }
