@@ -22,6 +22,13 @@ RefinableMesh disc() {
     return RefinableMesh(on_grid(mesh, unit_grid), unit_grid, {});
 }
 
+/// The same mesh with steps of another length.
+RefinableMesh with_steps(const RefinableMesh& mesh, int step_ratio) {
+    const BaseMesh base{{mesh.positions().begin(), mesh.positions().end()},
+                        {mesh.triangles().begin(), mesh.triangles().end()}};
+    return RefinableMesh(base, mesh.grid(), {.step_ratio = step_ratio});
+}
+
 std::int32_t zero(const ScalarSite&) { return 0; }
 
 /// Two faces of disjoint surroundings such that splitting the first puts one of its vertices beside the second.
@@ -102,9 +109,7 @@ TEST_CASE("Emit: no scalar beyond half an edge, none for a vertex without a targ
     targets.new_vertices[0] = {Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3), Vec3(1e3, 2e3, 3e3)};
     for (const int step_ratio : {20, 80, 320}) {
         CAPTURE(step_ratio);
-        state = RefinableMesh({{start.positions().begin(), start.positions().end()},
-                               {start.triangles().begin(), start.triangles().end()}},
-                              start.grid(), {.step_ratio = step_ratio});
+        state = with_steps(start, step_ratio);
         record = emit_batch(state, batch, targets, {}, {.dead_zone = 1e9}).at(0);
         for (std::int32_t scalar : record.residual) CHECK(std::abs(scalar) == step_ratio / 2);
     }
@@ -121,9 +126,7 @@ TEST_CASE("Emit: the dead zone is a part of an edge, whatever the steps") {
     for (const int step_ratio : {80, 320}) {
         CAPTURE(step_ratio);
         const auto moved = [&](double dead_zone) {
-            RefinableMesh state({{start.positions().begin(), start.positions().end()},
-                                 {start.triangles().begin(), start.triangles().end()}},
-                                start.grid(), {.step_ratio = step_ratio});
+            RefinableMesh state = with_steps(start, step_ratio);
             const SplitRecord record = emit_batch(state, batch, targets, {}, {.dead_zone = dead_zone}).at(0);
             return std::ranges::count_if(record.update, [](std::int32_t scalar) { return scalar != 0; });
         };
