@@ -1,7 +1,6 @@
 #include "core/mesh/nearest_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <tuple>
 
@@ -11,83 +10,117 @@
 namespace anyrate {
 namespace {
 
-constexpr std::int32_t leaf_size = 4;
-constexpr int max_depth = 40;  // halving 2^31 triangles takes 29 levels
+constexpr int most_pending = 64;    // three a level, and 4^16 is more triangles than there can be
+constexpr float precision = 1e-6F;  // of numbers computed in single precision, with a margin
+
+float below(double x, float slack) { return static_cast<float>(x) - slack; }
+float above(double x, float slack) { return static_cast<float>(x) + slack; }
 
 }  // namespace
 
 NearestSurface::NearestSurface(const Mesh& mesh) : face_(mesh.triangles.size()), place_(mesh.triangles.size()) {
     if (mesh.triangles.empty()) throw InputError("nearest point: expected a mesh with triangles");
-    std::vector<Corners> faces;
-    faces.reserve(mesh.triangles.size());
-    for (const auto& [a, b, c] : mesh.triangles)
-        faces.push_back({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
+    std::vector<Box> boxes(mesh.triangles.size());
+    Box whole;
+    for (std::size_t f = 0; f < boxes.size(); ++f) {
+        for (const std::int32_t v : mesh.triangles[f]) boxes[f].extend(mesh.vertices[v]);
+        whole.extend(boxes[f]);
+    }
+    centre_ = whole.center();
+    slack_ = precision * static_cast<float>(whole.sizes().maxCoeff());
     std::iota(face_.begin(), face_.end(), 0);
-    nodes_.reserve(faces.size());
-    build(faces, 0, mesh.n_faces());
-    triangles_.reserve(faces.size());
+    nodes_.reserve(boxes.size() / 2 + 1);
+    build(boxes, 0, mesh.n_faces());
+    triangles_.reserve(face_.size());
     for (std::int32_t i = 0; i < mesh.n_faces(); ++i) {
-        triangles_.push_back(faces[face_[i]]);
+        const auto& [a, b, c] = mesh.triangles[face_[i]];
+        triangles_.push_back({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
         place_[face_[i]] = i;
     }
 }
 
-void NearestSurface::build(const std::vector<Corners>& faces, std::int32_t begin, std::int32_t end) {
+NearestSurface::Box NearestSurface::build(std::span<const Box> boxes, std::int32_t begin, std::int32_t end) {
+    // Halves along the longest side of their centres' box, each of which is halved again.
+    const auto halve = [&](std::int32_t from, std::int32_t to) {
+        const std::int32_t middle = from + (to - from + 1) / 2;
+        if (to - from < 2) return middle;
+        Box centres;
+        for (std::int32_t i = from; i < to; ++i) centres.extend(boxes[face_[i]].center());
+        int axis = 0;
+        centres.sizes().maxCoeff(&axis);
+        std::nth_element(face_.begin() + from, face_.begin() + middle, face_.begin() + to,
+                         [&](std::int32_t f, std::int32_t g) {
+                             const double x = boxes[f].min()[axis] + boxes[f].max()[axis],
+                                          y = boxes[g].min()[axis] + boxes[g].max()[axis];
+                             return std::tie(x, f) < std::tie(y, g);
+                         });
+        return middle;
+    };
     const std::size_t self = nodes_.size();
     nodes_.emplace_back();
-    Eigen::AlignedBox3d box;
-    if (end - begin <= leaf_size) {
-        for (std::int32_t i = begin; i < end; ++i)
-            for (const Vec3& corner : {faces[face_[i]].a, faces[face_[i]].b, faces[face_[i]].c}) box.extend(corner);
-        nodes_[self] = {.box = box, .begin = begin, .end = end, .right = 0};
-        return;
+    const std::int32_t middle = halve(begin, end);
+    const std::int32_t ends[] = {begin, halve(begin, middle), middle, halve(middle, end), end};
+    Box all;
+    for (std::size_t k = 0; k < width; ++k) {
+        const std::int32_t from = ends[k], to = ends[k + 1];
+        // A child that is not there stands for a triangle again, infinitely far away.
+        const auto child = to - from > 1 ? static_cast<std::int32_t>(nodes_.size()) : ~std::min(from, end - 1);
+        const Box box = to == from ? Box() : to - from == 1 ? boxes[face_[from]] : build(boxes, from, to);
+        Node& node = nodes_[self];
+        node.child[k] = child;
+        for (int axis = 0; axis < 3; ++axis) {
+            constexpr float far = std::numeric_limits<float>::max();
+            node.lower[axis][k] = box.isEmpty() ? far : below(box.min()[axis] - centre_[axis], slack_);
+            node.upper[axis][k] = box.isEmpty() ? -far : above(box.max()[axis] - centre_[axis], slack_);
+        }
+        all.extend(box);
     }
-    const auto centre = [&](std::int32_t f) -> Vec3 { return faces[f].a + faces[f].b + faces[f].c; };  // times 3
-    for (std::int32_t i = begin; i < end; ++i) box.extend(centre(face_[i]));
-    int axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const std::int32_t middle = begin + (end - begin) / 2;
-    std::nth_element(face_.begin() + begin, face_.begin() + middle, face_.begin() + end,
-                     [&](std::int32_t f, std::int32_t g) {
-                         const double x = faces[f].a[axis] + faces[f].b[axis] + faces[f].c[axis];
-                         const double y = faces[g].a[axis] + faces[g].b[axis] + faces[g].c[axis];
-                         return std::tie(x, f) < std::tie(y, g);
-                     });
-    build(faces, begin, middle);
-    const auto right = static_cast<std::int32_t>(nodes_.size());
-    build(faces, middle, end);
-    nodes_[self] = {.box = nodes_[self + 1].box.merged(nodes_[right].box), .begin = 0, .end = 0, .right = right};
+    return all;
 }
 
 template <class Accepts>
 NearestSurface::Hit NearestSurface::search(const Vec3& p, std::int32_t hint, const Accepts& accepts) const {
     Hit best;
-    const auto visit = [&](std::int32_t i) {
-        const Corners& t = triangles_[i];
+    const auto visit = [&](std::int32_t place) {
+        const Corners& t = triangles_[place];
         if (!accepts(t)) return;
         const Vec3 q = closest_point_on_triangle(p, t.a, t.b, t.c);
         const double d2 = (q - p).squaredNorm();
-        if (d2 < best.squared_distance) best = {.point = q, .face = face_[i], .squared_distance = d2};
+        if (d2 < best.squared_distance) best = {.point = q, .face = face_[place], .squared_distance = d2};
     };
     if (hint >= 0) visit(place_[hint]);
+    const Vec3 from = p - centre_;
+    const float x[] = {static_cast<float>(from.x()), static_cast<float>(from.y()), static_cast<float>(from.z())};
     struct Pending {
-        std::int32_t node;
-        double squared_distance;
+        std::int32_t child;
+        float squared_distance;  // to its box or less
     };
-    std::array<Pending, max_depth> stack;
-    int n_pending = 0;
-    stack[n_pending++] = {0, nodes_[0].box.squaredExteriorDistance(p)};
-    while (n_pending > 0) {
+    std::array<Pending, most_pending> stack;
+    stack[0] = {0, 0.0F};
+    for (int n_pending = 1; n_pending > 0;) {
         const Pending top = stack[--n_pending];
-        if (top.squared_distance >= best.squared_distance) continue;
-        const Node& node = nodes_[top.node];
-        for (std::int32_t i = node.begin; i < node.end; ++i) visit(i);
-        if (node.right == 0) continue;
-        Pending near{top.node + 1, nodes_[top.node + 1].box.squaredExteriorDistance(p)};
-        Pending far{node.right, nodes_[node.right].box.squaredExteriorDistance(p)};
-        if (far.squared_distance < near.squared_distance) std::swap(near, far);
-        if (far.squared_distance < best.squared_distance) stack[n_pending++] = far;
-        stack[n_pending++] = near;
+        if (top.squared_distance > best.squared_distance) continue;
+        if (top.child < 0) {
+            visit(~top.child);
+            continue;
+        }
+        const Node& node = nodes_[top.child];
+        Float4 squared_distance{};
+        for (int axis = 0; axis < 3; ++axis) {
+            const Float4 under = node.lower[axis] - x[axis], over = x[axis] - node.upper[axis];
+            Float4 outside = under < over ? over : under;
+            outside = outside < 0 ? Float4{} : outside;
+            squared_distance += outside * outside;
+        }
+        squared_distance *= 1 - 4 * precision;
+        const int first = n_pending;
+        for (std::size_t k = 0; k < width; ++k) {
+            if (squared_distance[k] > best.squared_distance) continue;
+            int place = n_pending++;  // the nearest comes last
+            for (; place > first && stack[place - 1].squared_distance < squared_distance[k]; --place)
+                stack[place] = stack[place - 1];
+            stack[place] = {node.child[k], squared_distance[k]};
+        }
     }
     return best;
 }

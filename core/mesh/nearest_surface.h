@@ -1,15 +1,19 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "core/float4.h"
 #include "core/mesh/mesh.h"
 
 namespace anyrate {
 
 /// Answers which point of a triangle mesh is nearest to a given one, exactly: a tree of bounding boxes over a copy of
-/// the triangles. Queries may run in parallel.
+/// the triangles, four boxes a node, whose single precision only ever makes them larger. Queries may run in parallel.
 class NearestSurface {
 public:
     /// @throws InputError if `mesh` has no triangle
@@ -35,17 +39,21 @@ private:
     struct Corners {
         Vec3 a, b, c;
     };
+    static constexpr std::size_t width = 4;  ///< of the tree
+    /// A place among the triangles stands as ~place among the nodes.
     struct Node {
-        Eigen::AlignedBox3d box;
-        std::int32_t begin = 0, end = 0;  ///< the triangles of a leaf; of an inner node: empty
-        std::int32_t right = 0;           ///< an inner node's second child; the first one follows the node
+        Float4 lower[3], upper[3];              ///< of the children, a lane each, from centre_; inverted: no child
+        std::array<std::int32_t, width> child;  ///< 0 or more: a node; below: ~place of a triangle
     };
+    using Box = Eigen::AlignedBox3d;
 
-    /// Appends the tree over faces face_[begin..end) and orders them by its leaves.
-    void build(const std::vector<Corners>& faces, std::int32_t begin, std::int32_t end);
+    /// Appends the tree over faces face_[begin..end) and orders them by its leaves. @return its box
+    Box build(std::span<const Box> boxes, std::int32_t begin, std::int32_t end);
     template <class Accepts>
     Hit search(const Vec3& p, std::int32_t hint, const Accepts& accepts) const;
 
+    Vec3 centre_;                      ///< of the mesh's box
+    float slack_ = 0;                  ///< world units: more than what single precision takes from a box
     std::vector<Corners> triangles_;   ///< in the order of the tree's leaves
     std::vector<std::int32_t> face_;   ///< of the mesh, for each of them
     std::vector<std::int32_t> place_;  ///< of each face of the mesh among them

@@ -4,6 +4,22 @@
 
 namespace anyrate {
 
+// Hoppe, DeRose, Duchamp, McDonald, Stuetzle 1993, "Mesh Optimization": the ends have no neighbours in common but the
+// two apexes of the edge.
+bool Surface::is_collapse_ok(OpenMesh::HalfedgeHandle h) {
+    const OpenMesh::HalfedgeHandle opposite = opposite_halfedge_handle(h);
+    const OpenMesh::VertexHandle from = to_vertex_handle(opposite), to = to_vertex_handle(h);
+    if (status(edge_handle(h)).deleted() || status(from).deleted() || status(to).deleted()) return false;
+    const OpenMesh::VertexHandle left = to_vertex_handle(next_halfedge_handle(h)),
+                                 right = to_vertex_handle(next_halfedge_handle(opposite));
+    if (left == right) return false;
+    for (const OpenMesh::VertexHandle v : vv_range(from)) status(v).set_tagged(false);
+    for (const OpenMesh::VertexHandle v : vv_range(to)) status(v).set_tagged(true);
+    for (const OpenMesh::VertexHandle v : vv_range(from))
+        if (status(v).tagged() && v != left && v != right) return false;
+    return true;
+}
+
 // The halfedges are linked here by hand: add_face() searches for its edges in the fans of its corners and takes twice
 // as long (160,000 faces: 0.10 s against 0.05 s).
 Surface to_surface(const Mesh& mesh) {

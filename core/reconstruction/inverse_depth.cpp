@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/reconstruction/float4.h"
+#include "core/float4.h"
 #include "core/reconstruction/float8.h"
 #include "core/vector_clones.h"
 

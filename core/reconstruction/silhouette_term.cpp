@@ -176,21 +176,21 @@ std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const
     std::vector<SilhouetteTerm> result(vertices.size());
     // A view at a time for a block of vertices near each other: they read the same part of its image.
     constexpr std::size_t block = 64;
-    parallel_for(
-        (vertices.size() + block - 1) / block,
-        [&](std::size_t b) {
-            const std::size_t end = std::min(vertices.size(), (b + 1) * block);
-            for (const View& view : views_)
-                for (std::size_t i = b * block; i < end; ++i) {
-                    const std::int32_t v = vertices[i];
-                    const SilhouetteTerm term = term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
-                                                        [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
-                    result[i].energy += term.energy;
-                    result[i].gradient += term.gradient;
-                    result[i].hessian += term.hessian;
-                }
-        },
-        1);
+    parallel_for((vertices.size() + block - 1) / block,
+                 [&](std::size_t b) {
+                     const std::size_t end = std::min(vertices.size(), (b + 1) * block);
+                     for (const View& view : views_)
+                         for (std::size_t i = b * block; i < end; ++i) {
+                             const std::int32_t v = vertices[i];
+                             const SilhouetteTerm term =
+                                 term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
+                                         [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
+                             result[i].energy += term.energy;
+                             result[i].gradient += term.gradient;
+                             result[i].hessian += term.hessian;
+                         }
+                 },
+                 1);
     return result;
 }
 
