@@ -89,7 +89,7 @@ private:
             view.view = face_views[i].view;
             view.whole = face_views[i].whole;
             const auto origin = [](double lowest_px, int size) {
-                return static_cast<std::int32_t>(std::clamp(std::floor(lowest_px - 0.01), 0.0, size - 1.0));
+                return static_cast<std::int32_t>(std::clamp(lowest_px - 0.01, 0.0, size - 1.0));
             };
             view.x = origin(lowest.x(), image.width);
             view.y = origin(lowest.y(), image.height);
@@ -127,12 +127,11 @@ private:
             const TriangleView& view = views[i];
             if (view.whole) continue;
             LanesInView& s = samples[i];
-            for (std::size_t lane = 0; lane < n_lanes; ++lane) {
-                if (s.seen[lane] == 0) continue;
-                const float x = (static_cast<float>(view.x) + s.x[lane] + 0.5F) * scale - 0.5F;
-                const float y = (static_cast<float>(view.y) + s.y[lane] + 0.5F) * scale - 0.5F;
-                if (!visibility_->is_visible(face, view.view, x, y, s.inverse_z[lane])) s.seen[lane] = 0;
-            }
+            const Float8 x = (static_cast<float>(view.x) + s.x + 0.5F) * scale - 0.5F;
+            const Float8 y = (static_cast<float>(view.y) + s.y + 0.5F) * scale - 0.5F;
+            Float8 visible;
+            visibility_->look_at(face, view.view, x, y, s.inverse_z, visible);
+            s.seen *= visible;
         }
     }
 

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "core/reconstruction/inverse_depth.h"
+#include "core/vector_clones.h"
 
 namespace anyrate {
 namespace {
@@ -182,13 +183,29 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
                  [&](std::size_t i) { pixel_size_[at(faces[i])] = pixel_size_at(images, planes[i].centroid); });
 }
 
-bool Visibility::is_visible(std::int32_t face, std::int32_t view, float x, float y, float inverse_depth) const {
+ANYRATE_VECTOR_CLONES
+void Visibility::look_at(std::int32_t face, std::int32_t view, const Float8& x, const Float8& y,
+                         const Float8& inverse_depth, Float8& visible) const {
     const Image<float>& depths = inverse_depth_[at(view)];
-    x = (x + 0.5F) * scale_ - 0.5F;
-    y = (y + 0.5F) * scale_ - 0.5F;
-    if (!(x >= 0 && y >= 0 && x < static_cast<float>(depths.width - 1) && y < static_cast<float>(depths.height - 1)))
-        return false;
-    return inverse_depth * (1.0F + slope_[at(face)]) >= nearest_around(depths, x, y);
+    visible = Float8{};
+    if (depths.width < 2 || depths.height < 2) return;
+    const Float8 zero{}, px = (x + 0.5F) * scale_ - 0.5F, py = (y + 0.5F) * scale_ - 0.5F;
+    const Int8 inside = (px >= 0) & (py >= 0) & (px < static_cast<float>(depths.width - 1)) &
+                        (py < static_cast<float>(depths.height - 1));
+    const Float8 column = inside ? px : zero, row = inside ? py : zero;
+    const Int8 first = __builtin_convertvector(row, Int8) * depths.width + __builtin_convertvector(column, Int8);
+    Float8 top_left, top_right, bottom_left, bottom_right;
+    for (std::size_t lane = 0; lane < n_lanes; ++lane) {
+        const float* const top = depths.pixels.data() + first[lane];
+        top_left[lane] = top[0];
+        top_right[lane] = top[1];
+        bottom_left[lane] = top[depths.width];
+        bottom_right[lane] = top[depths.width + 1];
+    }
+    const Float8 above = top_left < top_right ? top_right : top_left;
+    const Float8 below = bottom_left < bottom_right ? bottom_right : bottom_left;
+    const Float8 nearest = above < below ? below : above;
+    visible = (inside & (inverse_depth * (1.0F + slope_[at(face)]) >= nearest)) ? zero + 1.0F : zero;
 }
 
 }  // namespace anyrate

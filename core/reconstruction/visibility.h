@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/capture/image.h"
+#include "core/reconstruction/float8.h"
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/surface_view.h"
 
@@ -21,7 +22,7 @@ struct VisibilityOptions {
 /// One view that sees a face.
 struct FaceView {
     std::int32_t view = 0;
-    bool whole = false;  ///< no part of the face is hidden; otherwise each sample has to ask is_visible()
+    bool whole = false;  ///< no part of the face is hidden; otherwise each sample has to ask look_at()
 };
 
 /// The pyramid level that depth is rendered at: `finest_level`, or a coarser one where that has more pixels than depth
@@ -49,9 +50,11 @@ public:
     double mean_area_px(std::int32_t face) const { return mean_area_px_[static_cast<std::size_t>(face)]; }
     /// World size of a pixel of level 0 at the face, from the nearest view (seen or not).
     double pixel_size(std::int32_t face) const { return pixel_size_[static_cast<std::size_t>(face)]; }
-    /// Whether a point of the face, at pixel (x, y) of level 0, is in front of everything else.
+    /// Which of eight points of the face, at pixels (x, y) of level 0, are in front of everything else.
     /// @param inverse_depth  1 / world units, along the optical axis
-    bool is_visible(std::int32_t face, std::int32_t view, float x, float y, float inverse_depth) const;
+    /// @param visible        1 or 0
+    void look_at(std::int32_t face, std::int32_t view, const Float8& x, const Float8& y, const Float8& inverse_depth,
+                 Float8& visible) const;
 
 private:
     int level_ = 0;                            ///< of the pyramid, at which depth is rendered

@@ -92,9 +92,10 @@ TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel a
         for (int i = 0; i < n_angles; ++i) {
             const double angle = 2 * std::acos(-1.0) * i / n_angles;
             const Vec2 pixel = middle + (contour_px + beyond_px) * Vec2(std::cos(angle), std::sin(angle));
-            const bool is_visible =
-                visibility.is_visible(0, 0, static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), behind);
-            n_hidden += is_visible ? 0 : 1;
+            const Float8 x = Float8{} + static_cast<float>(pixel.x()), y = Float8{} + static_cast<float>(pixel.y());
+            Float8 visible;
+            visibility.look_at(0, 0, x, y, Float8{} + behind, visible);
+            n_hidden += visible[static_cast<std::size_t>(i) % n_lanes] > 0 ? 0 : 1;
         }
         return static_cast<double>(n_hidden) / n_angles;
     };
