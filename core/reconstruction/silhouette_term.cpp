@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "core/reconstruction/float8.h"
 #include "core/reconstruction/inverse_depth.h"
+#include "core/vector_clones.h"
 
 namespace anyrate {
 namespace {
@@ -83,6 +85,48 @@ bool is_on_rim(const SurfaceView& surface, std::span<const std::int32_t> ring, c
     return front && back;
 }
 
+/// Eight points, a lane each, counted from the first of them: so near it, single precision tells pixels apart.
+struct PointLanes {
+    Vec3 first;
+    Float8 x{}, y{}, z{};
+
+    /// @param vertices  one to eight; the lanes left over are the first one again
+    PointLanes(std::span<const Vec3> points, std::span<const std::int32_t> vertices) : first(points[at(vertices[0])]) {
+        for (std::size_t lane = 0; lane < vertices.size(); ++lane) {
+            const Vec3 offset = points[at(vertices[lane])] - first;
+            x[lane] = static_cast<float>(offset.x());
+            y[lane] = static_cast<float>(offset.y());
+            z[lane] = static_cast<float>(offset.z());
+        }
+    }
+};
+
+/// Most points are deep inside a mask, where it says nothing of them: which ones may not be.
+/// @param reach_px  of the border; points up to two pixels further inside may be found, too
+ANYRATE_VECTOR_CLONES
+void find_near_border(const Silhouettes::View& view, const PointLanes& points, double reach_px, Int8& is_near) {
+    const Image<std::int8_t>& image = *view.distance;
+    const Vec3 first = view.P * points.first.homogeneous();
+    Float8 projected[3];
+    for (int i = 0; i < 3; ++i)
+        projected[i] = static_cast<float>(first[i]) +
+                       (static_cast<float>(view.P(i, 0)) * points.x + static_cast<float>(view.P(i, 1)) * points.y +
+                        static_cast<float>(view.P(i, 2)) * points.z);
+    const Float8 zero{}, u = projected[0] / projected[2], v = projected[1] / projected[2];
+    const auto right = static_cast<float>(image.width - 1), bottom = static_cast<float>(image.height - 1);
+    constexpr float margin = 0.1F;  // pixels: term_in() knows it exactly
+    const Int8 in_image =
+        (projected[2] > 0) & (u >= -margin) & (v >= -margin) & (u < right + margin) & (v < bottom + margin);
+    const Float8 x = u < zero ? zero : u, y = v < zero ? zero : v;
+    const Int8 column = __builtin_convertvector(in_image ? x : zero, Int8);
+    const Int8 row = __builtin_convertvector(in_image ? y : zero, Int8);
+    const Int8 pixel = row * image.width + column;
+    Int8 distance;
+    for (std::size_t lane = 0; lane < n_lanes; ++lane) distance[lane] = image.pixels[at(pixel[lane])];
+    // From one of the four pixels around a point to the next the distance changes by no more than the way between them.
+    is_near = in_image & (distance <= static_cast<std::int32_t>(eighths * (reach_px + 2)));
+}
+
 }  // namespace
 
 Image<std::int8_t> silhouette_distance(const MaskImage& mask) {
@@ -150,12 +194,10 @@ SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const V
     if (!(u >= 0 && v >= 0 && u < image.width - 1 && v < image.height - 1)) return term;
     const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
     const double fu = u - x0, fv = v - y0;
-    // From pixel to pixel the distance changes by no more than one.
-    if (image(x0, y0) > eighths * (reach_px + 2)) return term;  // most vertices: on with the next view
     const double a = image(x0, y0), b = image(x0 + 1, y0), c = image(x0, y0 + 1), d = image(x0 + 1, y0 + 1);
     const double distance = ((1 - fv) * (a + fu * (b - a)) + fv * (c + fu * (d - c))) / eighths;
     const double dx = ((1 - fv) * (b - a) + fv * (d - c)) / eighths, dy = ((1 - fu) * (c - a) + fu * (d - b)) / eighths;
-    if (distance > reach_px) return term;
+    if (distance > reach_px) return term;  // see find_near_border()
     const Vec3 q = view.P.leftCols<3>() * normal;
     const Vec2 motion = Vec2(q.x() - u * q.z(), q.y() - v * q.z()) / x.z();
     if (distance >= 0) {
@@ -174,23 +216,27 @@ std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const
                                                std::span<const Vec3> normals, std::span<const std::int32_t> vertices,
                                                double reach_px) const {
     std::vector<SilhouetteTerm> result(vertices.size());
-    // A view at a time for a block of vertices near each other: they read the same part of its image.
-    constexpr std::size_t block = 64;
-    parallel_for((vertices.size() + block - 1) / block,
-                 [&](std::size_t b) {
-                     const std::size_t end = std::min(vertices.size(), (b + 1) * block);
-                     for (const View& view : views_)
-                         for (std::size_t i = b * block; i < end; ++i) {
-                             const std::int32_t v = vertices[i];
+    parallel_for((vertices.size() + n_lanes - 1) / n_lanes,
+                 [&](std::size_t group) {
+                     const std::size_t begin = group * n_lanes, n = std::min(n_lanes, vertices.size() - begin);
+                     const PointLanes points(surface.vertices, vertices.subspan(begin, n));
+                     for (const View& view : views_) {
+                         Int8 is_near;
+                         find_near_border(view, points, reach_px, is_near);
+                         for (std::size_t lane = 0; lane < n; ++lane) {
+                             if (is_near[lane] == 0) continue;
+                             const std::int32_t v = vertices[begin + lane];
                              const SilhouetteTerm term =
                                  term_in(view, surface.vertices[at(v)], normals[at(v)], reach_px,
                                          [&] { return is_on_rim(surface, rings.faces(v), view.centre); });
-                             result[i].energy += term.energy;
-                             result[i].gradient += term.gradient;
-                             result[i].hessian += term.hessian;
+                             SilhouetteTerm& sum = result[begin + lane];
+                             sum.energy += term.energy;
+                             sum.gradient += term.gradient;
+                             sum.hessian += term.hessian;
                          }
+                     }
                  },
-                 1);
+                 8);
     return result;
 }
 
