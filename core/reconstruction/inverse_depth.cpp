@@ -31,11 +31,12 @@ struct TriangleLanes {
     Int8 covers;                 ///< not 0: faces the camera and has pixels
 };
 
-// The corners of up to eight triangles; what lanes are left over hold triangles behind the camera.
+// The corners of eight triangles.
 struct CornerLanes {
     Float8 x[3]{}, y[3]{}, inverse_depth[3]{};
 
-    CornerLanes(std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles) {
+    // Up to eight; the lanes left over stay as they are.
+    void load(std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles) {
         for (std::size_t lane = 0; lane < triangles.size(); ++lane)
             for (std::size_t k = 0; k < 3; ++k) {
                 const ScreenVertex& corner = vertices[at(triangles[lane][k])];
@@ -140,10 +141,12 @@ Image<float> render_inverse_depth(int width, int height, std::span<const ScreenV
                                   std::span<const Triangle> triangles) {
     Image<float> inverse_depth(width, height, 0.0F);
     if (width < lanes) return inverse_depth;  // no image of an object is so narrow
+    CornerLanes corners;
     TriangleLanes group;
     for (std::size_t first = 0; first < triangles.size(); first += n_lanes) {
         const std::size_t n = std::min(n_lanes, triangles.size() - first);
-        set_up({vertices, triangles.subspan(first, n)}, width, height, group);
+        corners.load(vertices, triangles.subspan(first, n));
+        set_up(corners, width, height, group);
         for (std::size_t lane = 0; lane < n; ++lane)
             if (group.covers[lane] != 0) rasterise(group, lane, inverse_depth);
     }
