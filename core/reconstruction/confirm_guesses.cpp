@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/reconstruction/distortion.h"
 #include "core/reconstruction/fairing.h"
@@ -12,10 +13,33 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-std::vector<std::optional<double>> vertex_distortions(PhotoBackend& backend, const Mesh& mesh, const OneRings& rings) {
-    backend.set_surface(mesh, 0, 1.0);
-    return vertex_distortion(rings, mesh.n_vertices(), backend.distortions(whole_surface(mesh)));
-}
+/// The distortions of all faces, of which only those around what moved are measured again: what a moved part hides
+/// elsewhere or no longer hides is nothing to whether that part itself agrees.
+class Distortions {
+public:
+    Distortions(PhotoBackend& backend, const Mesh& mesh) : backend_(backend) {
+        backend_.set_surface(mesh, 0, 1.0);
+        faces_ = backend_.distortions(whole_surface(mesh));
+    }
+
+    void measure_around(std::span<const std::int32_t> moved, const Mesh& mesh, const OneRings& rings) {
+        const std::vector<std::int32_t> around = faces_around(rings, moved);
+        std::vector<TriangleQuery> queries;
+        for (const std::int32_t f : around) queries.push_back(query_of(mesh, f));
+        backend_.set_surface(mesh, 0, 1.0, around);
+        const std::vector<TriangleDistortion> measured = backend_.distortions(queries);
+        for (std::size_t i = 0; i < around.size(); ++i) faces_[at(around[i])] = measured[i];
+    }
+
+    /// G (Nghiem et al., Eq. 9) of every vertex.
+    std::vector<std::optional<double>> of_vertices(const OneRings& rings, int n_vertices) const {
+        return vertex_distortion(rings, n_vertices, faces_);
+    }
+
+private:
+    PhotoBackend& backend_;
+    std::vector<TriangleDistortion> faces_;
+};
 
 /// Median of G over the vertices that are no guess; nothing if there is none.
 std::optional<double> usual_distortion(std::span<const std::optional<double>> G, std::span<const char> is_guessed) {
@@ -79,22 +103,28 @@ GuessedSurface surface_of(const Mesh& mesh, std::span<const char> is_guessed) {
     return GuessedSurface(std::move(points), reach);
 }
 
-/// @param guesses  one flag a vertex
-/// @return one flag a vertex: what is still a guess
-std::vector<char> confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, std::span<const char> guesses,
-                               Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
-    const OneRings rings(mesh);
-    const auto before = vertex_distortions(backend, mesh, rings);
+/// What a pass leaves to the next.
+struct Pass {
+    std::vector<char> is_guessed;      ///< one flag a vertex: what is still a guess
+    std::vector<std::int32_t> active;  ///< vertices that were on trial, ascending; no others were moved
+};
+
+/// @param distortions  of the mesh
+/// @param guesses      one flag a vertex
+Pass confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const OneRings& rings,
+                  const Distortions& distortions, std::span<const char> guesses, Mesh& mesh,
+                  const ConfirmGuessOptions& options, const std::stop_token& stop) {
+    const auto before = distortions.of_vertices(rings, mesh.n_vertices());
     const std::vector<Standing> standings = find_standings(guesses, before, rings, options.agreement);
     std::vector<char> on_trial(standings.size());
-    std::vector<std::int32_t> active;
+    Pass pass{std::vector<char>(standings.size(), 0), {}};
+    auto& [is_guessed, active] = pass;
     for (std::size_t v = 0; v < standings.size(); ++v)
         if (standings[v] != Standing::shown) {
             on_trial[v] = 1;
             active.push_back(static_cast<std::int32_t>(v));
         }
-    std::vector<char> is_guessed(standings.size(), 0);
-    if (active.empty()) return is_guessed;
+    if (active.empty()) return pass;
 
     Mesh trial = mesh;
     fair(trial, on_trial, options.attachment);
@@ -105,7 +135,9 @@ std::vector<char> confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, 
         optimise_surface(backend, silhouettes, trial.vertices, trial.triangles, active, {}, optimise, stop);
     }
 
-    const auto after = vertex_distortions(backend, trial, rings);
+    Distortions of_trial = distortions;
+    of_trial.measure_around(active, trial, rings);
+    const auto after = of_trial.of_vertices(rings, trial.n_vertices());
     const std::optional<double> usual = usual_distortion(after, on_trial);
     const auto agrees = [&](std::int32_t v) {
         return on_trial[at(v)] == 0 || (usual && after[at(v)] && *after[at(v)] <= options.agreement * *usual);
@@ -132,18 +164,23 @@ std::vector<char> confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, 
         is_guessed[at(v)] = !settled && (standings[at(v)] == Standing::guessed || is_hopeless(v));
     }
     fair(mesh, is_guessed, options.attachment);
-    return is_guessed;
+    return pass;
 }
 
 }  // namespace
 
 GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
                                Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
+    const OneRings rings(mesh);
+    Distortions distortions(backend, mesh);
     std::vector<char> guesses = guessed.vertices(mesh);
     ConfirmGuessOptions of_pass = options;
-    for (int pass = 0; pass < options.passes && !stop.stop_requested(); ++pass) {
-        guesses = confirm_once(backend, silhouettes, guesses, mesh, of_pass, stop);
+    for (int i = 0; i < options.passes && !stop.stop_requested(); ++i) {
+        Pass pass = confirm_once(backend, silhouettes, rings, distortions, guesses, mesh, of_pass, stop);
+        guesses = std::move(pass.is_guessed);
         of_pass.coarsest_level = 0;
+        if (pass.active.empty()) break;
+        if (i + 1 < options.passes) distortions.measure_around(pass.active, mesh, rings);
     }
     return surface_of(mesh, guesses);
 }
