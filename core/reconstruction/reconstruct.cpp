@@ -39,6 +39,7 @@ constexpr int fine_steps = 320;         ///< an edge, of the fine surface, which
 constexpr double fine_zone = 0.0025;    ///< edges, its dead zone, see RefineOptions; 0: pot 5 % worse, 0.01: bowl 2 %
 constexpr double fine_bending = 0.02;   ///< see OptimiseOptions, when it moves as one; 0.08: pot 5 % worse
 constexpr int log_steps = 160;          ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
+constexpr int noisy_log_steps = 80;     ///< where images disagree too much to be followed: finer steps send their noise
 constexpr double approached_part = 8;   ///< coarse counts of vertices up to which the log approaches that surface
 constexpr int samples_per_vertex = 10;  ///< of that surface, which stand for it when the base is fitted
 constexpr int fewest_even = 1000;       ///< vertices of that mesh: fewer may not carry the surface
@@ -222,7 +223,9 @@ RefineOptions refine_options(const ReconstructOptions& options) {
 /// Gives the sink the base with its attributes. @return the state that every decoder has then, in the own frame
 RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
                         PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
-    const RefinementRules rules{.step_ratio = log_steps};
+    const bool is_noisy =
+        measure_surface(backend, RefinableMesh(base, grid, {}).to_mesh()) > refine_options(options).most_credible_psi;
+    const RefinementRules rules{.step_ratio = is_noisy ? noisy_log_steps : log_steps};
     RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
     const Mesh as_decoded = state.to_mesh();
     sink.base_attributes(vertex_colours(images, as_decoded, vertex_spacing(as_decoded, options.n_vertices)),
