@@ -59,6 +59,26 @@ TEST_CASE("NearestSurface: agrees with the search through all triangles, with an
     }
 }
 
+TEST_CASE("NearestSurface: exact also far from the origin, and of points far from the surface") {
+    const Vec3 origin(3e6, -2e6, 1e6);
+    const Mesh mesh = shapes::translated(
+        shapes::zero_set([](const Vec3& p) { return p.cwiseProduct(Vec3(1, 1.5, 2)).norm() - 0.7; }, 12), origin);
+    const NearestSurface surface(mesh);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    for (const double distance : {0.8, 50.0, 1e5})
+        for (int i = 0; i < 100; ++i) {
+            const Vec3 p =
+                origin + distance * Vec3(coordinate(random), coordinate(random), coordinate(random)).normalized();
+            double expected = std::numeric_limits<double>::infinity();
+            for (const auto& [a, b, c] : mesh.triangles)
+                expected = std::min(
+                    expected, (closest_point_on_triangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]) - p)
+                                  .squaredNorm());
+            CHECK(surface.nearest(p).squared_distance == expected);
+        }
+}
+
 TEST_CASE("NearestSurface: facing keeps a point on its own side of a thin sheet") {
     // Two horizontal triangles 0.1 apart, the upper one facing up, the lower one down.
     Mesh sheet;

@@ -148,6 +148,7 @@ TEST_CASE("Resume: so it is where the images are not followed") {
     REQUIRE(whole.journal.points.size() > 3);
     for (std::size_t i = 0; i < whole.recorder.psi.size(); i += 2)
         REQUIRE(whole.recorder.psi[i] > RefineOptions{}.most_credible_psi);
+    CHECK(whole.recorder.state->rules().step_ratio < undisturbed().recorder.state->rules().step_ratio);
     check_that_every_point_leads_to_the_end(whole, noisy_capture());
 }
 
