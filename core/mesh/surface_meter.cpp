@@ -38,11 +38,27 @@ struct Corners {
         return {values[at(numbers[0])], values[at(numbers[1])], values[at(numbers[2])]};
     }
     double area() const { return 0.5 * twice_area.norm(); }
+    double longest_squared_edge() const {
+        const auto& [a, b, c] = points;
+        return std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    }
 
     Triangle numbers;
     std::array<Vec3, 3> points;
     Vec3 twice_area;
 };
+
+/// The nearest point that faces alike, so that a thin part is not taken for its other side. Of a face that is turned
+/// over there is none but on the far side of the object: further off than the face is long, what is nearest counts,
+/// whichever way it faces. Else one sliver outweighs all other faces (nefertiti at 3,000 vertices: it had 90 % of the
+/// squared distance) and is pulled through the object.
+/// @param reach2  squared, for what was found
+template <class SquaredReach>
+NearestSurface::Hit nearest_alike(const NearestSurface& surface, const Vec3& point, const Vec3& direction,
+                                  std::int32_t hint, const SquaredReach& reach2) {
+    const NearestSurface::Hit hit = surface.nearest_facing(point, direction, hint);
+    return hit.face >= 0 && hit.squared_distance <= reach2(hit) ? hit : surface.nearest(point, hint);
+}
 
 /// @param touched  the face's point nearest to `sample`
 Pair pair_from_surface(const Corners& corners, const Vec3& touched, const Vec3& sample, const Vec3& normal) {
@@ -55,8 +71,8 @@ Pair pair_from_surface(const Corners& corners, const Vec3& touched, const Vec3& 
 Pair pair_from_face(const Corners& corners, const Vec3& weights, const TrueSurface& surface, std::int32_t& hint) {
     const auto& [a, b, c] = corners.points;
     const Vec3 point = weights[0] * a + weights[1] * b + weights[2] * c;
-    NearestSurface::Hit hit = surface.nearest.nearest_facing(point, corners.twice_area, hint);
-    if (hit.face < 0) hit = surface.nearest.nearest(point, hint);
+    const NearestSurface::Hit hit = nearest_alike(surface.nearest, point, corners.twice_area, hint,
+                                                  [&](const auto&) { return corners.longest_squared_edge(); });
     hint = hit.face;
     const Vec3& normal = surface.face_normals[at(hit.face)];
     return {weights, (hit.point - point).dot(normal), hit.squared_distance, normal};
@@ -136,9 +152,10 @@ std::vector<Vec3> SurfaceMeter::nearest_to_samples(const Mesh& mesh, std::size_t
                          const std::int32_t own = nearest_of_sample_[i];
                          const std::int32_t hint = own >= 0 && own < mesh.n_faces() ? own : neighbour;
                          const Vec3& sample = surface_.samples[i];
-                         NearestSurface::Hit hit =
-                             tree.nearest_facing(sample, surface_.face_normals[at(surface_.sample_faces[i])], hint);
-                         if (hit.face < 0) hit = tree.nearest(sample, hint);
+                         const Vec3& normal = surface_.face_normals[at(surface_.sample_faces[i])];
+                         const NearestSurface::Hit hit = nearest_alike(
+                             tree, sample, normal, hint,
+                             [&](const auto& found) { return Corners(mesh, at(found.face)).longest_squared_edge(); });
                          nearest_of_sample_[i] = neighbour = hit.face;
                          points[i] = hit.point;
                      }

@@ -50,6 +50,18 @@ TEST_CASE("Surface meter: the gradient is the slope of the squared distance") {
     CHECK(sum.slope == doctest::Approx(-2 * 0.1 * sum.area).epsilon(0.02));
 }
 
+TEST_CASE("Surface meter: a face that is turned over is as far off as what is near it, not as the object's far side") {
+    const TrueSurface surface(icosphere(5), 60'000);
+    Mesh mesh = icosphere(3);
+    const double whole = total(mesh, surface).squared;
+    const auto [a, b, c] = mesh.triangles[0];
+    const auto at = [&](std::int32_t v) -> Vec3& { return mesh.vertices[static_cast<std::size_t>(v)]; };
+    const Vec3 middle = 0.5 * (at(a) + at(b));
+    at(c) = middle + 0.1 * (middle - at(c));
+    REQUIRE(twice_area_vector(at(a), at(b), at(c)).dot(middle) < 0);
+    CHECK(total(mesh, surface).squared < 2 * whole);
+}
+
 TEST_CASE("Normal fit: the vertices of a coarse sphere that fits a fine one best lie outside it") {
     const TrueSurface surface(icosphere(5), 60'000);
     SurfaceMeter meter(surface);
