@@ -97,7 +97,7 @@ const Capture& noisy_capture() {
 }
 
 /// Whose log approaches the fitted surface up to 800 vertices and follows the images from there on.
-const ReconstructOptions small{.n_vertices = 1200, .n_coarse = 100};
+const ReconstructOptions small{.n_vertices = 1600, .n_coarse = 100};
 
 struct Undisturbed {
     Recorder recorder;
