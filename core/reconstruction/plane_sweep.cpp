@@ -2,31 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/parallel.h"
+#include "core/reconstruction/float8.h"
 #include "core/reconstruction/semi_global.h"
 #include "core/reconstruction/window_correlation.h"
+#include "core/vector_clones.h"
 
 namespace anyrate {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+using Byte8 = std::uint8_t __attribute__((vector_size(8)));
+
+constexpr int most_neighbours = 16;  // see SweepOptions
 
 // One view at the level swept, cut to what it shows of the object.
 struct SweptView {
-    PixelBox box;       // in the pixels of the level
-    Mat34 P;            // to the pixels of the box
-    Vec3 centre;        // of projection, world units
-    Image<float> grey;  // brightness, -1 .. 1
+    PixelBox box;  // in the pixels of the level
+    Mat34 P;       // to the pixels of the box
+    Vec3 centre;   // of projection, world units
+    BrightnessImage grey;
+    PatchImage patches;  // of the same
 };
 
 PixelBox box_of_object(const PhotoLevel& level) {
@@ -37,14 +44,13 @@ PixelBox box_of_object(const PhotoLevel& level) {
     return box;
 }
 
-// Brightness within a box; unknown where a pixel is not the object's alone, so that what is interpolated from it is
-// too.
-Image<float> brightness(const PhotoLevel& level, const PixelBox& box) {
-    Image<float> grey(box.width(), box.height(), unknown);
+// Unknown where a pixel is not the object's alone, so that what is interpolated from it is, too.
+BrightnessImage brightness(const PhotoLevel& level, const PixelBox& box) {
+    BrightnessImage grey(box.width(), box.height(), unknown_brightness);
     for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) {
             const std::uint8_t* p = level.pixel(x, y);
-            if (p[3] != 0) grey(x - box.x0, y - box.y0) = static_cast<float>(p[0] + 2 * p[1] + p[2]) / 510.0f - 1.0f;
+            if (p[3] != 0) grey(x - box.x0, y - box.y0) = static_cast<std::uint16_t>(p[0] + 2 * p[1] + p[2]);
         }
     return grey;
 }
@@ -55,6 +61,7 @@ SweptView swept_view(const PhotoView& photo, const PhotoLevel& level) {
     view.P = with_moved_pixels(level.P, -Vec2(view.box.x0, view.box.y0));
     view.centre = photo.centre;
     view.grey = brightness(level, view.box);
+    view.patches = PatchImage(view.grey);
     return view;
 }
 
@@ -104,7 +111,8 @@ std::vector<Neighbour> neighbours_of(const std::vector<SweptView>& views, std::s
     }
     std::stable_sort(neighbours.begin(), neighbours.end(),
                      [](const Neighbour& a, const Neighbour& b) { return a.angle_rad < b.angle_rad; });
-    if (neighbours.size() > at(options.n_neighbours)) neighbours.resize(at(options.n_neighbours));
+    if (const std::size_t most = at(std::min(options.n_neighbours, most_neighbours)); neighbours.size() > most)
+        neighbours.resize(most);
     return neighbours;
 }
 
@@ -131,6 +139,18 @@ double plane_step(const SweptView& reference, const std::vector<Neighbour>& neig
     return 1.0 / px_per_inverse_depth;
 }
 
+// The best of the 3 x 3 values around every pixel of an image that is one pixel smaller on each side.
+template <class Better>
+Image<std::int16_t> best_around(const Image<std::int16_t>& values, const Better& better) {
+    Image<std::int16_t> rows(values.width - 2, values.height), best(values.width - 2, values.height - 2);
+    for (int y = 0; y < rows.height; ++y)
+        for (int x = 0; x < rows.width; ++x)
+            rows(x, y) = better(better(values(x, y), values(x + 1, y)), values(x + 2, y));
+    for (int y = 0; y < best.height; ++y)
+        for (int x = 0; x < best.width; ++x) best(x, y) = better(better(rows(x, y), rows(x, y + 1)), rows(x, y + 2));
+    return best;
+}
+
 PlaneRanges plane_ranges(const SweptView& reference, const VisualHull& hull, double step) {
     constexpr int most_planes = 400;
     std::vector<Vec3> projected;
@@ -139,63 +159,58 @@ PlaneRanges plane_ranges(const SweptView& reference, const VisualHull& hull, dou
     for (const OrientedPoint& point : hull.points) {
         const Vec3 x = reference.P * point.position.homogeneous();
         if (!(x.z() > 0)) continue;
-        projected.push_back({x.x() / x.z(), x.y() / x.z(), 1.0 / x.z()});
-        nearest = std::max(nearest, projected.back().z());
-        farthest = std::min(farthest, projected.back().z());
+        const double inverse_depth = 1.0 / x.z();
+        projected.push_back({x.x() * inverse_depth, x.y() * inverse_depth, inverse_depth});
+        nearest = std::max(nearest, inverse_depth);
+        farthest = std::min(farthest, inverse_depth);
     }
-    PlaneRanges ranges;
     const int w = reference.grey.width, h = reference.grey.height;
-    ranges.first = Image<std::int16_t>(w, h, std::numeric_limits<std::int16_t>::max());
-    ranges.last = Image<std::int16_t>(w, h, -1);
-    if (projected.empty()) return ranges;
-    ranges.step = std::max(step, (nearest - farthest) / most_planes);
-    ranges.farthest = farthest - ranges.step;
-    ranges.n_planes = static_cast<int>(std::ceil((nearest - farthest) / ranges.step)) + 3;
-    for (const Vec3& x : projected) {
-        const auto plane = static_cast<std::int16_t>(std::lround((x.z() - ranges.farthest) / ranges.step));
-        const int px = static_cast<int>(std::lround(std::clamp(x.x(), -2.0, w + 1.0))),
-                  py = static_cast<int>(std::lround(std::clamp(x.y(), -2.0, h + 1.0)));
-        for (int v = std::max(py - 1, 0); v <= std::min(py + 1, h - 1); ++v)
-            for (int u = std::max(px - 1, 0); u <= std::min(px + 1, w - 1); ++u) {
-                ranges.first(u, v) = std::min(ranges.first(u, v), plane);
-                ranges.last(u, v) = std::max(ranges.last(u, v), static_cast<std::int16_t>(plane + 1));
-            }
+    // With a frame of one pixel, where points still reach into the image.
+    Image<std::int16_t> first(w + 2, h + 2, std::numeric_limits<std::int16_t>::max()), last(w + 2, h + 2, -1);
+    PlaneRanges ranges;
+    if (!projected.empty()) {
+        ranges.step = std::max(step, (nearest - farthest) / most_planes);
+        ranges.farthest = farthest - ranges.step;
+        ranges.n_planes = static_cast<int>(std::ceil((nearest - farthest) / ranges.step)) + 3;
     }
+    for (const Vec3& x : projected) {
+        if (!(x.x() >= -1.5 && x.y() >= -1.5 && x.x() < w + 0.5 && x.y() < h + 0.5)) continue;
+        const int px = static_cast<int>(x.x() + 1.5), py = static_cast<int>(x.y() + 1.5);
+        const auto plane = static_cast<std::int16_t>((x.z() - ranges.farthest) / ranges.step + 0.5);
+        first(px, py) = std::min(first(px, py), plane);
+        last(px, py) = std::max(last(px, py), static_cast<std::int16_t>(plane + 1));
+    }
+    const auto lesser = [](std::int16_t a, std::int16_t b) { return std::min(a, b); };
+    const auto greater = [](std::int16_t a, std::int16_t b) { return std::max(a, b); };
+    ranges.first = best_around(first, lesser);
+    ranges.last = best_around(last, greater);
     return ranges;
 }
 
-// The better half of the values given at every pixel.
-class BetterHalf {
-public:
-    BetterHalf(std::size_t n_values, int width, int height) : best_((n_values + 1) / 2, Image<float>(width, height)) {}
-
-    void clear(const PixelBox& box) {
-        for (Image<float>& image : best_)
-            for (int y = box.y0; y < box.y1; ++y) std::fill_n(&image(box.x0, y), box.width(), 0.0f);
-    }
-    void add(const Image<float>& values, const PixelBox& box) {
-        for (int y = box.y0; y < box.y1; ++y) {
-            row_.assign(&values(box.x0, y), &values(box.x0, y) + (box.x1 - box.x0));
-            for (Image<float>& image : best_) {
-                float* best = &image(box.x0, y);
-                for (std::size_t i = 0; i < row_.size(); ++i) {
-                    const float larger = std::max(best[i], row_[i]);
-                    row_[i] = std::min(best[i], row_[i]);
-                    best[i] = larger;
-                }
+// Of the correlations with each neighbour, the mean of the better half, as what a plane costs.
+ANYRATE_VECTOR_CLONES
+void cost_of(std::span<const std::vector<float>> correlations, std::vector<std::uint8_t>& costs) {
+    const std::size_t n_best = (correlations.size() + 1) / 2;
+    const Float8 zero{}, one = zero + 1.0f;
+    for (std::size_t i = 0; i < costs.size(); i += n_lanes) {
+        Float8 best[most_neighbours]{};  // in descending order
+        for (const std::vector<float>& correlation : correlations) {
+            Float8 value;
+            std::memcpy(&value, correlation.data() + i, sizeof value);
+            for (std::size_t j = 0; j < n_best; ++j) {
+                const Float8 larger = best[j] < value ? value : best[j];
+                value = best[j] < value ? best[j] : value;
+                best[j] = larger;
             }
         }
+        Float8 sum{};
+        for (std::size_t j = 0; j < n_best; ++j) sum += best[j];
+        const Float8 mean = sum / static_cast<float>(n_best);
+        const Float8 cost = (one - (mean < one ? mean : one)) * CostVolume::worst_cost + 0.5f;
+        const auto bytes = __builtin_convertvector(__builtin_convertvector(cost, Int8), Byte8);
+        std::memcpy(costs.data() + i, &bytes, sizeof bytes);
     }
-    float mean(int x, int y) const {
-        float sum = 0;
-        for (const Image<float>& image : best_) sum += image(x, y);
-        return sum / static_cast<float>(best_.size());
-    }
-
-private:
-    std::vector<Image<float>> best_;  // in descending order
-    std::vector<float> row_;
-};
+}
 
 // What a sweep of half the resolution found for a view.
 struct CoarseDepth {
@@ -229,44 +244,46 @@ void narrow(PlaneRanges& ranges, const PixelBox& box, const CoarseDepth& coarse)
         }
 }
 
-// Around the pixels of the object that each plane may meet within a tile of the image.
-void boxes_of_planes(const MaskImage& mask, const PlaneRanges& ranges, const PixelBox& tile,
-                     std::vector<PixelBox>& boxes) {
-    boxes.assign(at(ranges.n_planes), {});
+// Around the pixels that each plane may meet within a tile of the image.
+void boxes_of_planes(const CostVolume& volume, const PixelBox& tile, std::vector<PixelBox>& boxes) {
+    boxes.assign(at(volume.n_planes), {});
     for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x)
-            if (mask(x, y) != 0)
-                for (int k = ranges.first(x, y); k <= ranges.last(x, y); ++k) boxes[at(k)].extend(x, y);
+        for (int x = tile.x0; x < tile.x1; ++x) {
+            const auto& [first, n, start] = volume.at(x, y);
+            for (int k = first; k < first + n; ++k) boxes[at(k)].extend(x, y);
+        }
 }
 
 // The costs of all planes that may be the surface.
-CostVolume sweep(const SweptView& reference, const std::vector<Neighbour>& neighbours, const PlaneRanges& ranges,
-                 const MaskImage& mask, int radius) {
-    CostVolume volume(mask.width, mask.height, ranges.n_planes);
+void sweep(const SweptView& reference, const std::vector<Neighbour>& neighbours, const PlaneRanges& ranges, int radius,
+           CostVolume& volume) {
     WindowCorrelation windows(reference.grey, radius);
-    BetterHalf best(neighbours.size(), mask.width, mask.height);
+    std::vector<std::vector<float>> correlations(neighbours.size());
+    std::vector<std::uint8_t> costs;
     const auto sweep_box = [&](int k, const PixelBox& box) {
-        best.clear(box);
-        for (const Neighbour& neighbour : neighbours)
-            best.add(windows.correlate(neighbour.view->grey, neighbour.parallax, ranges.inverse_depth(k), box), box);
+        for (std::size_t i = 0; i < neighbours.size(); ++i)
+            windows.correlate(neighbours[i].view->patches, neighbours[i].parallax, ranges.inverse_depth(k), box,
+                              correlations[i]);
+        costs.resize(correlations.front().size());
+        cost_of(correlations, costs);
+        const int pitch = WindowCorrelation::pitch_of(box);
         for (int y = box.y0; y < box.y1; ++y)
             for (int x = box.x0; x < box.x1; ++x) {
-                if (mask(x, y) == 0 || k < ranges.first(x, y) || k > ranges.last(x, y)) continue;
-                const float cost = (1.0f - std::min(best.mean(x, y), 1.0f)) * CostVolume::worst_cost;
-                volume.costs[volume.first_plane(x, y) + at(k)] = static_cast<std::uint8_t>(cost + 0.5f);
+                const auto& [first, n, start] = volume.at(x, y);
+                if (k >= first && k < first + n)
+                    volume.costs[start + at(k - first)] = costs[at((y - box.y0) * pitch + x - box.x0)];
             }
     };
     // By tiles, since the pixels of a small part of the image ask for few planes.
     constexpr int tile_side = 32;
     std::vector<PixelBox> boxes;
-    for (int y = 0; y < mask.height; y += tile_side)
-        for (int x = 0; x < mask.width; x += tile_side) {
-            boxes_of_planes(mask, ranges,
-                            {x, y, std::min(x + tile_side, mask.width), std::min(y + tile_side, mask.height)}, boxes);
-            for (int k = 0; k < ranges.n_planes; ++k)
+    for (int y = 0; y < volume.height; y += tile_side)
+        for (int x = 0; x < volume.width; x += tile_side) {
+            boxes_of_planes(
+                volume, {x, y, std::min(x + tile_side, volume.width), std::min(y + tile_side, volume.height)}, boxes);
+            for (int k = 0; k < volume.n_planes; ++k)
                 if (const PixelBox& box = boxes[at(k)]; !box.is_empty()) sweep_box(k, box);
         }
-    return volume;
 }
 
 // Where the parabola through three values at -1, 0 and 1, the middle one the least, is least.
@@ -275,20 +292,20 @@ double parabola_minimum(double before, double least, double after) {
     return curvature > 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
 }
 
-void choose_planes(const CostVolume& volume, const std::vector<std::int16_t>& sums, const MaskImage& mask,
-                   const PlaneRanges& ranges, DepthMap& map) {
-    for (int y = 0; y < mask.height; ++y)
-        for (int x = 0; x < mask.width; ++x) {
-            if (mask(x, y) == 0 || ranges.first(x, y) > ranges.last(x, y)) continue;
-            const std::size_t start = volume.first_plane(x, y);
-            const std::int16_t* sum = sums.data() + start;
-            const auto first = sum + ranges.first(x, y), last = sum + ranges.last(x, y);
-            const auto least = std::min_element(first, last + 1);
+void choose_planes(const CostVolume& volume, const std::vector<std::int16_t>& sums, const PlaneRanges& ranges,
+                   DepthMap& map) {
+    for (int y = 0; y < volume.height; ++y)
+        for (int x = 0; x < volume.width; ++x) {
+            const auto& [first_plane, n, start] = volume.at(x, y);
+            if (n == 0) continue;
+            const std::int16_t *const first = sums.data() + start, *const last = first + n - 1;
+            const std::int16_t* const least = std::min_element(first, last + 1);
             const double shift = least > first && least < last ? parabola_minimum(least[-1], least[0], least[1]) : 0.0;
-            const auto plane = least - sum;
-            map.inverse_depth(x, y) = static_cast<float>(ranges.inverse_depth(static_cast<double>(plane) + shift));
-            map.agreement(x, y) = 1.0f - static_cast<float>(volume.costs[start + static_cast<std::size_t>(plane)]) /
-                                             CostVolume::worst_cost;
+            const std::ptrdiff_t k = least - first;
+            map.inverse_depth(x, y) =
+                static_cast<float>(ranges.inverse_depth(static_cast<double>(first_plane + k) + shift));
+            map.agreement(x, y) =
+                1.0f - static_cast<float>(volume.costs[start + static_cast<std::size_t>(k)]) / CostVolume::worst_cost;
         }
 }
 
@@ -309,10 +326,11 @@ DepthMap depth_map(const std::vector<SweptView>& views, std::size_t i, const Vis
     PlaneRanges ranges = plane_ranges(reference, hull, step);
     if (coarse) narrow(ranges, reference.box, *coarse);
     map.step = ranges.step;
-    MaskImage mask(w, h);
-    for (std::size_t p = 0; p < mask.pixels.size(); ++p) mask.pixels[p] = std::isnan(reference.grey.pixels[p]) ? 0 : 1;
-    const CostVolume volume = sweep(reference, neighbours, ranges, mask, options.window_radius_px);
-    choose_planes(volume, semi_global_sums(volume, mask), mask, ranges, map);
+    for (std::size_t p = 0; p < ranges.last.pixels.size(); ++p)
+        if (reference.grey.pixels[p] == unknown_brightness) ranges.last.pixels[p] = -1;
+    CostVolume volume(ranges.n_planes, ranges.first, ranges.last);
+    sweep(reference, neighbours, ranges, options.window_radius_px, volume);
+    choose_planes(volume, semi_global_sums(volume), ranges, map);
     return map;
 }
 

@@ -10,7 +10,7 @@ namespace anyrate {
 struct SweepOptions {
     int most_object_px = 40'000;  ///< that a view shows on average; decides the level of the pyramid
     int window_radius_px = 1;     ///< the window compared has 2 r + 1 pixels a side
-    int n_neighbours = 4;         ///< views that one view is compared with, at most; six find no more
+    int n_neighbours = 4;         ///< views that one view is compared with, at most (16 at most); six find no more
                                   ///< (pot, 36 views: 2.6 s of the hull's stage instead of 3.1)
     double min_angle_deg = 8.0;   ///< between two viewing directions: below, depth is a guess
     double max_angle_deg = 45.0;  ///< above, the same surface no longer looks the same
