@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,7 +54,7 @@ StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh
 struct RefinementStep {
     RefinableMesh state;
     std::vector<SplitRecord> records;
-    StateDistortion distortion;
+    std::optional<StateDistortion> distortion;  ///< nullopt: the images were not asked yet
 };
 
 /// How many splits a batch tries, and how many of them it takes at most.
