@@ -2,7 +2,9 @@
 
 #include <numeric>
 #include <optional>
+#include <utility>
 
+#include "core/parallel.h"
 #include "core/reconstruction/fitted_step.h"
 #include "core/reconstruction/image_step.h"
 #include "core/reconstruction/vertex_colours.h"
@@ -22,17 +24,37 @@ bool is_approaching(const RefinableMesh& state, const RefineOptions& options) {
 }
 
 /// The next batch.
-/// @param now  of the state; gets its terms if they are needed
+/// @param now          of the state; gets its terms if they are needed
+/// @param is_rejected  one flag a face
 /// @return nullopt if nothing can be split, or on a stop
 std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistortion& now, PhotoBackend& backend,
                                         const RefinementScene& scene, const RefineOptions& options,
                                         const std::stop_token& stop, std::vector<char>& is_rejected) {
-    is_rejected.resize(at(state.n_faces()), 0);
     const bool is_credible = options.by_area || now.point.mean <= options.most_credible_psi;
     if (is_approaching(state, options) || !is_credible) return approach_fitted(state, scene, options);
     if (now.terms.empty()) now = measure_state(backend, state, options.samples_per_px);
     std::optional<RefinementStep> step = follow_images(state, now, backend, scene, options, stop, is_rejected);
     return step && !step->records.empty() ? std::move(step) : std::nullopt;
+}
+
+/// Measures the state after a batch, if that was not done yet, and colours its new vertices; gives all of it to the
+/// sink. @return of the state
+StateDistortion send_batch(std::span<const SplitRecord> records, std::optional<StateDistortion> measured,
+                           const RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
+                           const RefineOptions& options, ModelSink& sink) {
+    std::vector<std::int32_t> added(3 * records.size());
+    std::iota(added.begin(), added.end(), state.n_vertices() - static_cast<std::int32_t>(added.size()));
+    std::vector<Rgb8> colours;
+    const auto colour = [&] {
+        const Mesh mesh = state.to_mesh();
+        colours = vertex_colours(scene.images, mesh, vertex_spacing(mesh, options.n_vertices), added);
+    };
+    if (measured)
+        colour();
+    else
+        run_beside(colour, [&] { measured = measure_without_terms(backend, state, options.samples_per_px); });
+    sink.batch(records, state, colours, measured->point);
+    return std::move(*measured);
 }
 
 }  // namespace
@@ -45,21 +67,23 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     std::vector<char> none_rejected;
     std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;
+    std::optional<RefinementStep> ahead;  // the batch that follows, if that is known before the state is measured
     while (has_room(state, options) && !stop.stop_requested()) {
-        std::optional<RefinementStep> step = next_step(state, now, backend, scene, options, stop, is_rejected);
+        is_rejected.resize(at(state.n_faces()), 0);
+        std::optional<RefinementStep> step = ahead ? std::exchange(ahead, std::nullopt)
+                                                   : next_step(state, now, backend, scene, options, stop, is_rejected);
         if (!step) break;
-        const std::int32_t n_before = state.n_vertices();
         state = std::move(step->state);
-        now = step->distortion ? std::move(*step->distortion)
-                               : measure_without_terms(backend, state, options.samples_per_px);
-        curve.push_back({state.n_vertices(), now.point.mean});
-        std::vector<std::int32_t> added(at(state.n_vertices() - n_before));
-        std::iota(added.begin(), added.end(), n_before);
-        const Mesh refined = state.to_mesh();
-        sink.batch(step->records, state,
-                   vertex_colours(scene.images, refined, vertex_spacing(refined, options.n_vertices), added),
-                   now.point);
-        if (progress) progress(curve.back());
+        run_beside(
+            [&] {
+                if (has_room(state, options) && is_approaching(state, options))
+                    ahead = approach_fitted(state, scene, options);
+            },
+            [&] {
+                now = send_batch(step->records, std::move(step->distortion), state, backend, scene, options, sink);
+                curve.push_back({state.n_vertices(), now.point.mean});
+                if (progress) progress(curve.back());
+            });
     }
     return curve;
 }
@@ -69,6 +93,7 @@ void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const Refinem
     StateDistortion now = measure_state(backend, state, options.samples_per_px);
     std::vector<char> is_rejected;
     while (has_room(state, options) && !stop.stop_requested()) {
+        is_rejected.resize(at(state.n_faces()), 0);
         std::optional<RefinementStep> step = next_step(state, now, backend, scene, options, stop, is_rejected);
         if (!step) break;
         state = std::move(step->state);
