@@ -1,13 +1,12 @@
 #include "core/reconstruction/refine.h"
 
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/parallel.h"
 #include "core/reconstruction/fitted_step.h"
 #include "core/reconstruction/image_step.h"
-#include "core/reconstruction/vertex_colours.h"
+#include "core/reconstruction/state_attributes.h"
 
 namespace anyrate {
 namespace {
@@ -37,24 +36,19 @@ std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistort
     return step && !step->records.empty() ? std::move(step) : std::nullopt;
 }
 
-/// Measures the state after a batch, if that was not done yet, and colours its new vertices; gives all of it to the
-/// sink. @return of the state
+/// Gives the sink a batch, with colours of its new vertices and, if it is not known yet, the state's distortion.
+/// @return of the state
 StateDistortion send_batch(std::span<const SplitRecord> records, std::optional<StateDistortion> measured,
                            const RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
                            const RefineOptions& options, ModelSink& sink) {
-    std::vector<std::int32_t> added(3 * records.size());
-    std::iota(added.begin(), added.end(), state.n_vertices() - static_cast<std::int32_t>(added.size()));
-    std::vector<Rgb8> colours;
-    const auto colour = [&] {
-        const Mesh mesh = state.to_mesh();
-        colours = vertex_colours(scene.images, mesh, vertex_spacing(mesh, options.n_vertices), added);
-    };
-    if (measured)
-        colour();
-    else
-        run_beside(colour, [&] { measured = measure_without_terms(backend, state, options.samples_per_px); });
-    sink.batch(records, state, colours, measured->point);
-    return std::move(*measured);
+    const std::int32_t first_new = state.n_vertices() - static_cast<std::int32_t>(3 * records.size());
+    if (measured) {
+        sink.batch(records, state, state_colours(scene.images, state, first_new, options), measured->point);
+        return std::move(*measured);
+    }
+    const StateAttributes attributes = state_attributes(backend, scene.images, state, first_new, options);
+    sink.batch(records, state, attributes.colours, attributes.distortion);
+    return {attributes.distortion, {}};
 }
 
 }  // namespace
@@ -62,8 +56,9 @@ StateDistortion send_batch(std::span<const SplitRecord> records, std::optional<S
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
                                const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
-                               std::vector<char>* rejected) {
-    StateDistortion now = measure_without_terms(backend, state, options.samples_per_px);
+                               std::vector<char>* rejected, std::optional<DistortionPoint> known) {
+    StateDistortion now =
+        known ? StateDistortion{*known, {}} : measure_without_terms(backend, state, options.samples_per_px);
     std::vector<CurvePoint> curve{{state.n_vertices(), now.point.mean}};
     std::vector<char> none_rejected;
     std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;

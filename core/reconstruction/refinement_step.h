@@ -47,6 +47,8 @@ struct StateDistortion {
 };
 /// @param samples_per_px  C of Eq. 7 (Nghiem et al.), per pixel of the photographs
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+/// The point of a surface that is the backend's current one already.
+DistortionPoint current_distortion(PhotoBackend& backend, const SurfaceView& surface);
 /// The same point, without derivatives.
 StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
 
