@@ -7,9 +7,11 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 #endif
 
 #include <cstddef>
+#include <exception>
 
 namespace anyrate {
 
@@ -34,6 +36,35 @@ void parallel_invoke(const Task&... task) {
     (task(), ...);
 #else
     tbb::parallel_invoke(task...);
+#endif
+}
+
+/// Runs `own` on the calling thread, to which what it uses may be bound (a graphics context, a callback), and beside it
+/// `other`, which shares nothing with it. If one throws, the other still runs to its end, since a loop that is
+/// cancelled would leave it half of its values; then the exception goes on, that of `own` before that of `other`.
+template <class Other, class Own>
+void run_beside(const Other& other, const Own& own) {
+#ifdef ANYRATE_OPENMP
+    other();
+    own();
+#else
+    std::exception_ptr failure;
+    tbb::task_group group;
+    group.run([&] {
+        try {
+            other();
+        } catch (...) {
+            failure = std::current_exception();
+        }
+    });
+    try {
+        own();
+    } catch (...) {
+        group.wait();
+        throw;
+    }
+    group.wait();
+    if (failure) std::rethrow_exception(failure);
 #endif
 }
 

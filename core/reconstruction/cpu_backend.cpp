@@ -57,6 +57,7 @@ public:
 
     double pixel_size(std::int32_t face) const override { return std::ldexp(visibility_->pixel_size(face), level_); }
     int n_levels() const override { return images_.n_levels(); }
+    const Visibility* visibility() const override { return visibility_.get(); }
 
 private:
     struct Face {

@@ -83,6 +83,8 @@ public:
 
     double pixel_size(std::int32_t face) const override { return backend_->pixel_size(face); }
     int n_levels() const override { return backend_->n_levels(); }
+    /// A device's would go with it when it fails, which may be in the middle of what needs it.
+    const Visibility* visibility() const override { return is_cpu_ ? backend_->visibility() : nullptr; }
 
 private:
     template <class Ask>

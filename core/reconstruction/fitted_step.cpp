@@ -11,8 +11,8 @@ constexpr int fewest_points = 60'000;  ///< to measure a mesh by; with 40,000 th
 
 }  // namespace
 
-std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoBackend& backend,
-                                              const RefinementScene& scene, const RefineOptions& options) {
+std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const RefinementScene& scene,
+                                              const RefineOptions& options) {
     // A new one each time: what it remembered, a run that goes on here could not know.
     SurfaceMeter meter(scene.fitted, fewest_points);
     const MeasuredMesh measured = measure(state, meter);
@@ -26,7 +26,7 @@ std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoB
     RefinementStep step{state, {}, {}};
     step.records =
         emit_batch(step.state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(measured)});
-    step.distortion = measure_without_terms(backend, step.state, options.samples_per_px);
+    if (step.records.empty()) return std::nullopt;
     return step;
 }
 

@@ -5,9 +5,9 @@
 
 namespace anyrate {
 
-/// A batch that takes the state nearer to the fitted surface, whatever the images say of it.
-/// @return nullopt if nothing can be split
-std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, PhotoBackend& backend,
-                                              const RefinementScene& scene, const RefineOptions& options);
+/// A batch that takes the state nearer to the fitted surface, whatever the images say of it: they are not asked.
+/// @return not measured; nullopt if nothing can be split
+std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const RefinementScene& scene,
+                                              const RefineOptions& options);
 
 }  // namespace anyrate

@@ -161,7 +161,7 @@ std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistor
         first_new.push_back(state.n_vertices() + 3 * static_cast<std::int32_t>(faces.size()));
         faces.push_back(record.face);
     }
-    return split_gains(state, before, {mesh, distortions_of(step.distortion.terms)}, faces, first_new);
+    return split_gains(state, before, {mesh, distortions_of(step.distortion->terms)}, faces, first_new);
 }
 
 /// The batch as far as it lowers Psi: without the splits that did harm where they are when they were tried, and while
@@ -177,7 +177,7 @@ std::optional<RefinementStep> take_step(const RefinableMesh& state, const StateD
     if (!options.by_area) leave_out(optimised.gains, most, left_out, is_rejected);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
         RefinementStep step = try_step(state, batch, optimised.targets, left_out, backend, options);
-        if (options.by_area || step.distortion.point.mean < now.point.mean) return step;
+        if (options.by_area || step.distortion->point.mean < now.point.mean) return step;
         if (!leave_out(split_gains(state, now, step), most, left_out, is_rejected)) break;
     }
     return std::nullopt;

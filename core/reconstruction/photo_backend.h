@@ -30,6 +30,7 @@ struct TriangleTerms {
 };
 
 struct OptimiseRound;  // optimise_round.h
+class Visibility;      // visibility.h
 
 /// How a round of local optimisation ended.
 struct RoundOutcome {
@@ -70,6 +71,10 @@ public:
     virtual double pixel_size(std::int32_t face) const = 0;
 
     virtual int n_levels() const = 0;
+
+    /// What set_surface() rendered, until it is called again, for who needs the visibility of that surface besides;
+    /// nullptr if it is not at hand on the CPU.
+    virtual const Visibility* visibility() const { return nullptr; }
 };
 
 /// The reference implementation, on oneTBB. `images` must outlive it.

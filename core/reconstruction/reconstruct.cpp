@@ -22,6 +22,7 @@
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/preview.h"
 #include "core/reconstruction/refine.h"
+#include "core/reconstruction/state_attributes.h"
 #include "core/reconstruction/untangle.h"
 #include "core/reconstruction/vertex_colours.h"
 #include "core/reconstruction/view_shifts.h"
@@ -220,23 +221,31 @@ RefineOptions refine_options(const ReconstructOptions& options) {
     return refinement;
 }
 
-/// Gives the sink the base with its attributes. @return the state that every decoder has then, in the own frame
-RefinableMesh send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
-                        PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
+/// The state that every decoder has after the base, in the own frame, and what the images say of it.
+struct SentBase {
+    RefinableMesh state;
+    DistortionPoint distortion;
+};
+
+/// Gives the sink the base with its attributes. It is measured twice: before, since the rules depend on Psi, and as the
+/// sink has numbered it, which changes Psi's seventh digit (bowl).
+SentBase send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
+                   PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
     const bool is_noisy =
         measure_surface(backend, RefinableMesh(base, grid, {}).to_mesh()) > refine_options(options).most_credible_psi;
     const RefinementRules rules{.step_ratio = is_noisy ? noisy_log_steps : log_steps};
     RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
-    const Mesh as_decoded = state.to_mesh();
-    sink.base_attributes(vertex_colours(images, as_decoded, vertex_spacing(as_decoded, options.n_vertices)),
-                         measure_state(backend, state, refine_options(options).samples_per_px).point);
-    return state;
+    const StateAttributes attributes = state_attributes(backend, images, state, 0, refine_options(options));
+    sink.base_attributes(attributes.colours, attributes.distortion);
+    return {std::move(state), attributes.distortion};
 }
 
 /// Step 3: progressive refinement.
-ReconstructResult refine_from(RefinementPoint point, const RefinementScene& scene, PhotoBackend& backend,
-                              const ReconstructOptions& options, ModelSink& sink, const ProgressFn& tell,
-                              const std::stop_token& stop, RefinementJournal* journal) {
+/// @param known  what the images say of the state, if they were asked already
+ReconstructResult refine_from(RefinementPoint point, const std::optional<DistortionPoint>& known,
+                              const RefinementScene& scene, PhotoBackend& backend, const ReconstructOptions& options,
+                              ModelSink& sink, const ProgressFn& tell, const std::stop_token& stop,
+                              RefinementJournal* journal) {
     RefineOptions refinement = refine_options(options);
     if (options.method == Method::flow) refinement.n_vertices = point.state.n_vertices();
     ReconstructResult result;
@@ -248,7 +257,7 @@ ReconstructResult refine_from(RefinementPoint point, const RefinementScene& scen
                                 std::max(1, options.n_vertices - options.n_coarse);
             tell({Stage::refine, part, reached.n_vertices, reached.psi});
         },
-        stop, &point.is_rejected);
+        stop, &point.is_rejected, known);
     result.stopped = stop.stop_requested();
     if (!journal || !result.stopped) sink.finish();
     return result;
@@ -318,10 +327,11 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
                         .guess_points = {guessed.points().begin(), guessed.points().end()},
                         .guess_reach = guessed.reach(),
                         .fitted = std::move(fitted_mesh)});
-    RefinementPoint point{send_base(base, grid, frame, images, *backend, options, sink), {}};
+    SentBase sent = send_base(base, grid, frame, images, *backend, options, sink);
+    RefinementPoint point{std::move(sent.state), {}};
     if (journal) journal->batch(point.is_rejected);
-    ReconstructResult result = refine_from(std::move(point), {images, silhouettes, guessed, fitted}, *backend, options,
-                                           sink, tell, stop, journal);
+    ReconstructResult result = refine_from(std::move(point), sent.distortion, {images, silhouettes, guessed, fitted},
+                                           *backend, options, sink, tell, stop, journal);
     result.iterations = std::move(iterations);
     return result;
 }
@@ -355,14 +365,17 @@ ReconstructResult resume(Capture capture, const ReconstructOptions& options, con
     const GuessedSurface guessed(start.guess_points, start.guess_reach);
     const TrueSurface fitted = sampled(start.fitted);
     const auto backend = options.backend(images, Sampling::adaptive);
+    std::optional<DistortionPoint> known;
     if (point) {
         point->state.move_grid(start.grid.origin, start.grid.unit);
     } else {
-        point = {send_base(start.base, start.grid, frame, images, *backend, options, sink), {}};
+        SentBase sent = send_base(start.base, start.grid, frame, images, *backend, options, sink);
+        point = {std::move(sent.state), {}};
+        known = sent.distortion;
         journal.batch(point->is_rejected);
     }
-    return refine_from(std::move(*point), {images, silhouettes, guessed, fitted}, *backend, options, sink, tell, stop,
-                       &journal);
+    return refine_from(std::move(*point), known, {images, silhouettes, guessed, fitted}, *backend, options, sink, tell,
+                       stop, &journal);
 }
 
 }  // namespace anyrate

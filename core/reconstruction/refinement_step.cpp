@@ -78,11 +78,15 @@ StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state,
     return result;
 }
 
+DistortionPoint current_distortion(PhotoBackend& backend, const SurfaceView& surface) {
+    return point_of(backend.distortions(whole_surface(surface)));
+}
+
 StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px) {
     const Mesh mesh = state.to_mesh();
     const SurfaceView surface(mesh);
     backend.set_surface(surface, 0, samples_per_px);
-    return {point_of(backend.distortions(whole_surface(surface))), {}};
+    return {current_distortion(backend, surface), {}};
 }
 
 }  // namespace anyrate

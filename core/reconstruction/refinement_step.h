@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,8 @@ struct StateDistortion {
 };
 /// @param samples_per_px  C of Eq. 7 (Nghiem et al.), per pixel of the photographs
 StateDistortion measure_state(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
+/// The point of a surface that is the backend's current one already.
+DistortionPoint current_distortion(PhotoBackend& backend, const SurfaceView& surface);
 /// The same point, without derivatives.
 StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh& state, double samples_per_px);
 
@@ -53,7 +56,7 @@ StateDistortion measure_without_terms(PhotoBackend& backend, const RefinableMesh
 struct RefinementStep {
     RefinableMesh state;
     std::vector<SplitRecord> records;
-    StateDistortion distortion;
+    std::optional<StateDistortion> distortion;  ///< nullopt: the images were not asked yet
 };
 
 /// How many splits a batch tries, and how many of them it takes at most.

@@ -8,7 +8,6 @@
 
 #include "core/mesh/triangle_shape.h"
 #include "core/parallel.h"
-#include "core/reconstruction/visibility.h"
 
 namespace anyrate {
 namespace {
@@ -109,10 +108,11 @@ double vertex_spacing(const SurfaceView& surface, int n_vertices) {
 }
 
 std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& surface, double spacing,
-                                 std::span<const std::int32_t> vertices) {
+                                 std::span<const std::int32_t> vertices, const Visibility* visibility) {
     const OneRings rings(surface);
     const std::vector<Vec3> normals = vertex_normals(surface, rings);
-    const Visibility visibility(images, surface);
+    std::optional<Visibility> own;
+    if (visibility == nullptr) visibility = &own.emplace(images, surface);
     std::vector<double> spacings = mean_edge_lengths(surface, rings);
     for (double& x : spacings) x = std::min(x, spacing);
     std::vector<std::optional<Colour>> colours(surface.vertices.size());
@@ -122,7 +122,7 @@ std::vector<Rgb8> vertex_colours(const PhotoImages& images, const SurfaceView& s
     const auto look_at = [&](std::span<const std::int32_t> some) {
         parallel_for(some.size(), [&](std::size_t i) {
             const std::int32_t v = some[i];
-            colours[at(v)] = seen_colour(images, visibility, surface, rings, normals[at(v)], spacings[at(v)], v);
+            colours[at(v)] = seen_colour(images, *visibility, surface, rings, normals[at(v)], spacings[at(v)], v);
         });
     };
     look_at(vertices);

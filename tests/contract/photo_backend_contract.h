@@ -4,10 +4,12 @@
 #include <doctest/doctest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "core/reconstruction/photo_backend.h"
+#include "core/reconstruction/visibility.h"
 #include "core/simulation/parametric_meshes.h"
 #include "tests/scenes.h"
 
@@ -81,6 +83,17 @@ inline void check_photo_backend(const BackendFactory& make, double tolerance) {
     CHECK(on_threads(1) == on_threads(2));
 
     CHECK(backend->distortions({}).empty());
+
+    // Whoever is lent the visibility sees what one of their own would show.
+    backend->set_surface(mesh, 0, 1.0);
+    if (const Visibility* const lent = backend->visibility()) {
+        const Visibility own(images, mesh);
+        const auto is_same = [](const FaceView& a, const FaceView& b) {
+            return a.view == b.view && a.whole == b.whole;
+        };
+        for (std::int32_t f = 0; f < mesh.n_faces(); ++f)
+            CHECK(std::ranges::equal(lent->views(f), own.views(f), is_same));
+    }
 }
 
 }  // namespace anyrate

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <thread>
 
 #include "core/error.h"
 #include "core/mesh/topology.h"
@@ -35,6 +37,7 @@ public:
         closed_loop = closed_loop && replayed->state_hash() == state.state_hash();
         n_colours += colours.size();
         psi.push_back(distortion.mean);
+        on_batch();
     }
     void finish() override { finished = true; }
 
@@ -43,6 +46,7 @@ public:
     std::vector<double> psi;
     std::size_t n_colours = 0;
     bool closed_loop = true, finished = false;
+    std::function<void()> on_batch = [] {};
 };
 
 const Capture& capture() {
@@ -54,8 +58,12 @@ const Capture& capture() {
 class GrowingDistortion final : public PhotoBackend {
 public:
     explicit GrowingDistortion(double phi = 0) : phi_(phi) {}
-    void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override { ++phi_; }
+    void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override {
+        ++phi_;
+        on_call();
+    }
     std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
+        on_call();
         return std::vector<TriangleDistortion>(batch.size(), {phi_, 1.0});
     }
     std::vector<TriangleTerms> terms(std::span<const TriangleQuery> batch,
@@ -67,6 +75,8 @@ public:
     }
     double pixel_size(std::int32_t) const override { return 0.01; }
     int n_levels() const override { return 1; }
+
+    std::function<void()> on_call = [] {};
 
 private:
     double phi_;
@@ -161,6 +171,65 @@ TEST_CASE("Refine: below a count, or where the images disagree too much, all ver
     CHECK(mean_distance(2 * usual.most_credible_psi, usual) < 0.003);
     CHECK(mean_distance(0, approaching) < 0.003);
     CHECK(mean_distance(0, usual) > 0.005);  // a quarter of the vertices are of the base, which the images do not move
+}
+
+namespace {
+
+/// A refinement all of whose batches approach a sphere: each is fitted while the one before is measured and sent.
+struct Approach {
+    std::vector<CurvePoint> run(const std::function<void(const CurvePoint&)>& progress, std::stop_token stop = {}) {
+        recorder.start(state.grid(), {}, on_grid(icosphere(3), unit_grid));
+        Silhouettes silhouettes((Capture()));
+        const PhotoImages images = make_photo_images(capture());
+        const GuessedSurface none;
+        const TrueSurface fitted(icosphere(4, 1.03), 5000);
+        const RefineOptions options{.n_vertices = 1500, .n_approached = 1500};
+        return refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, progress, stop);
+    }
+
+    RefinableMesh state{on_grid(icosphere(3), unit_grid), unit_grid, {}};
+    GrowingDistortion backend;
+    Recorder recorder;
+};
+
+}  // namespace
+
+TEST_CASE("Refine: backend, sink and progress are called on the calling thread") {
+    Approach approach;
+    int n_calls = 0, n_elsewhere = 0;
+    const auto count = [&, caller = std::this_thread::get_id()] {
+        ++n_calls;
+        if (std::this_thread::get_id() != caller) ++n_elsewhere;
+    };
+    approach.backend.on_call = approach.recorder.on_batch = count;
+    approach.run([&](const CurvePoint&) { count(); });
+    CHECK(n_calls > 0);
+    CHECK(n_elsewhere == 0);
+}
+
+TEST_CASE("Refine: the progress of a batch is told before the sink has the next one") {
+    Approach approach;
+    std::size_t n_told = 0;
+    approach.run([&](const CurvePoint& reached) {
+        CHECK(approach.recorder.psi.size() == ++n_told);
+        CHECK(approach.state.n_vertices() == reached.n_vertices);
+    });
+    CHECK(n_told > 2);
+}
+
+TEST_CASE("Refine: a stop ends with the batch that was sent, although the next one may have been fitted") {
+    Approach approach;
+    std::stop_source stop;
+    const auto curve = approach.run([&](const CurvePoint&) { stop.request_stop(); }, stop.get_token());
+    CHECK(curve.size() == 2);
+    CHECK(approach.recorder.psi.size() == 1);
+    CHECK(approach.recorder.replayed->state_hash() == approach.state.state_hash());
+}
+
+TEST_CASE("Refine: a sink that throws ends it with its own exception") {
+    Approach approach;
+    approach.recorder.on_batch = [] { throw IoError("disk full"); };
+    CHECK_THROWS_AS(approach.run({}), IoError);
 }
 
 TEST_CASE("Reconstruct: the decoder's state is the encoder's, closed and manifold, at the count asked for") {
