@@ -4,6 +4,7 @@
 
 #include "core/capture/image.h"
 #include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/pixel_box.h"
 #include "core/reconstruction/surface_view.h"
 
 namespace anyrate {
@@ -23,7 +24,25 @@ std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& su
 Image<float> render_inverse_depth(int width, int height, std::span<const ScreenVertex> vertices,
                                   std::span<const Triangle> triangles);
 
-/// The same from the surface itself.
+/// A part of such an image.
+struct InverseDepthPart {
+    int x = 0, y = 0;     ///< of its first pixel in the whole image
+    Image<float> pixels;  ///< in the box that was asked for those of the whole image, around it some may lack surface
+};
+
+/// The same, to the bit, but only where it is asked for.
+/// @param box  not empty, within the image
+InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
+                                         std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles);
+
+/// The pixels of an image that triangles between some vertices can reach, and one around; empty where that is none.
+PixelBox pixels_around(std::span<const ScreenVertex> vertices, int width, int height);
+
+/// The triangles that may have pixels in a box, in their order.
+std::vector<Triangle> triangles_at(const PixelBox& box, std::span<const ScreenVertex> vertices,
+                                   std::span<const Triangle> triangles);
+
+/// The whole image from the surface itself.
 Image<float> render_inverse_depth(const PhotoLevel& level, const SurfaceView& surface);
 
 }  // namespace anyrate

@@ -10,11 +10,8 @@ namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-double dot(std::span<const double> a, std::span<const double> b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-    return sum;
-}
+/// A product with fewer rows is done before other threads have woken up.
+constexpr std::size_t rows_at_a_time = 2048;
 
 Vec3 umbrella(const SurfaceView& surface, const OneRings& rings, std::int32_t v) {
     Vec3 mean = Vec3::Zero();
@@ -97,8 +94,8 @@ NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRing
     });
 }
 
-std::vector<double> NormalDisplacement::apply(std::span<const double> u, double damping) const {
-    std::vector<double> bent(n_), out(n_);
+void NormalDisplacement::apply(std::span<const double> u, double damping, std::span<double> bent,
+                               std::span<double> out) const {
     parallel_for(
         n_,
         [&](std::size_t i) {
@@ -110,7 +107,7 @@ std::vector<double> NormalDisplacement::apply(std::span<const double> u, double 
             bent[i] = umbrella;
             out[i] = hessian;
         },
-        512);
+        rows_at_a_time);
     parallel_for(
         n_,
         [&](std::size_t i) {
@@ -118,31 +115,34 @@ std::vector<double> NormalDisplacement::apply(std::span<const double> u, double 
             for (const Entry& e : row(i)) sum += e.transpose * bent[at(e.vertex)];
             out[i] += 2 * bending_weight_ * sum;
         },
-        512);
-    return out;
+        rows_at_a_time);
 }
 
 std::vector<double> NormalDisplacement::solve(double damping) const {
-    std::vector<double> u(n_, 0.0), r(n_), z(n_), p(n_);
-    const auto precondition = [&] {
-        for (std::size_t i = 0; i < n_; ++i) z[i] = diagonal_[i] > 0 ? r[i] / (diagonal_[i] * (1 + damping)) : 0.0;
-    };
-    for (std::size_t i = 0; i < n_; ++i) r[i] = -gradient_[i];
-    precondition();
-    p = z;
-    double rz = dot(r, z);
+    std::vector<double> u(n_, 0.0), r(n_), z(n_), p(n_), Ap(n_), bent(n_), damped(n_);
+    for (std::size_t i = 0; i < n_; ++i) damped[i] = diagonal_[i] * (1 + damping);
+    // Preconditions the residual: by the damped diagonal.
+    const auto conditioned = [&](std::size_t i) { return diagonal_[i] > 0 ? r[i] / damped[i] : 0.0; };
+    double rz = 0;
+    for (std::size_t i = 0; i < n_; ++i) {
+        r[i] = -gradient_[i];
+        p[i] = conditioned(i);
+        rz += r[i] * p[i];
+    }
     const double target = cg_tolerance * cg_tolerance * rz;
     for (int k = 0; k < max_cg_iterations && rz > target; ++k) {
-        const std::vector<double> Ap = apply(p, damping);
-        const double pAp = dot(p, Ap);
+        apply(p, damping, bent, Ap);
+        double pAp = 0;
+        for (std::size_t i = 0; i < n_; ++i) pAp += p[i] * Ap[i];
         if (!(pAp > 0)) break;
         const double alpha = rz / pAp;
+        double next = 0;
         for (std::size_t i = 0; i < n_; ++i) {
             u[i] += alpha * p[i];
             r[i] -= alpha * Ap[i];
+            z[i] = conditioned(i);
+            next += r[i] * z[i];
         }
-        precondition();
-        const double next = dot(r, z);
         const double beta = next / rz;
         rz = next;
         for (std::size_t i = 0; i < n_; ++i) p[i] = z[i] + beta * p[i];

@@ -40,7 +40,9 @@ public:
     std::vector<double> solve(double damping) const;
 
 private:
-    std::vector<double> apply(std::span<const double> u, double damping) const;
+    /// The quadratic's matrix times u.
+    /// @param bent  n_ values, for what umbrellas u makes
+    void apply(std::span<const double> u, double damping, std::span<double> bent, std::span<double> out) const;
 
     /// What the displacement of `vertex` does to the row's own vertex, and the other way round.
     struct Entry {

@@ -22,11 +22,13 @@ public:
     }
 
     /// Calls visit(other) for the points no further away than an edge whose normals lie within 90 degrees of this one's
-    /// (so that a thin wall's other side does not count), until it returns false.
+    /// (so that a thin wall's other side does not count), until it returns false. The order is that of the rows of
+    /// cubes: where there is a near point at all, the middle row mostly has one.
     template <class Visit>
     void for_each_near(const OrientedPoint& point, const Visit& visit) const {
+        static constexpr std::array<std::int32_t, 9> rows = {4, 1, 3, 5, 7, 0, 2, 6, 8};
         const Cube middle = cube_of(point.position);
-        for (std::int32_t row = 0; row < 9; ++row) {
+        for (const std::int32_t row : rows) {
             const Cube first = {middle[0] + row / 3 - 1, middle[1] + row % 3 - 1, middle[2] - 1};
             const Cube last = {first[0], first[1], middle[2] + 1};
             for (auto place = std::lower_bound(places_.begin(), places_.end(), Place{first, 0});

@@ -3,11 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
 #include "core/parallel.h"
-#include "core/reconstruction/inverse_depth.h"
+#include "core/reconstruction/pixel_box.h"
 #include "core/vector_clones.h"
 
 namespace anyrate {
@@ -18,28 +19,65 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// Depth maps need no more than about a thousand pixels a side: the faces are several pixels large.
 constexpr int max_depth_map_side = 1024;
 
-/// Largest of the four pixels around (x, y), which must have them: what hides most.
-float nearest_around(const Image<float>& inverse_depth, float x, float y) {
-    const float* top = &inverse_depth(static_cast<int>(x), static_cast<int>(y));
-    const float* bottom = top + inverse_depth.width;
-    return std::max(std::max(top[0], top[1]), std::max(bottom[0], bottom[1]));
-}
+/// Four faces at a time.
+using Double4 = double __attribute__((vector_size(32), aligned(32)));
+using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
+constexpr std::size_t n_wide = 4;
 
-/// A face where it stands.
-struct FacePlane {
-    Vec3 centroid, normal;  ///< the normal is zero if the face has no area
+/// Faces where they stand, coordinate by coordinate; unit normals, zero if a face has no area.
+struct FacePlanes {
+    std::vector<double> centroid[3], normal[3];  ///< whole fours: faces without area at the end
+
+    FacePlanes(const SurfaceView& surface, std::span<const std::int32_t> faces) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            centroid[k].resize((faces.size() + n_wide - 1) / n_wide * n_wide);
+            normal[k].resize(centroid[k].size());
+        }
+        parallel_for(
+            faces.size(),
+            [&](std::size_t i) {
+                const Triangle& t = surface.triangles[at(faces[i])];
+                const Vec3 &a = surface.vertices[at(t[0])], &b = surface.vertices[at(t[1])],
+                           &c = surface.vertices[at(t[2])];
+                const Vec3 middle = (a + b + c) / 3.0;
+                Vec3 n = (b - a).cross(c - a);
+                if (const double norm = n.norm(); norm > 0) n /= norm;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    centroid[k][i] = middle[static_cast<Eigen::Index>(k)];
+                    normal[k][i] = n[static_cast<Eigen::Index>(k)];
+                }
+            },
+            1024);
+    }
+
+    Vec3 centroid_of(std::size_t i) const { return {centroid[0][i], centroid[1][i], centroid[2][i]}; }
+    Vec3 normal_of(std::size_t i) const { return {normal[0][i], normal[1][i], normal[2][i]}; }
 };
 
-std::vector<FacePlane> face_planes(const SurfaceView& surface, std::span<const std::int32_t> faces) {
-    std::vector<FacePlane> planes(faces.size());
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-        const Triangle& t = surface.triangles[at(faces[i])];
-        const Vec3 &a = surface.vertices[at(t[0])], &b = surface.vertices[at(t[1])], &c = surface.vertices[at(t[2])];
-        planes[i].centroid = (a + b + c) / 3.0;
-        planes[i].normal = (b - a).cross(c - a);
-        if (const double norm = planes[i].normal.norm(); norm > 0) planes[i].normal /= norm;
+/// The faces that look at the camera about as straight as they must, ascending; the caller knows it exactly.
+ANYRATE_VECTOR_CLONES
+void find_facing(const FacePlanes& planes, const Vec3& centre, double min_cos, std::vector<std::int32_t>& facing) {
+    const std::size_t n = planes.centroid[0].size();
+    facing.resize(n + 1);  // each face is written down, and taken back if it does not look here
+    const double less_cos = std::max(0.0, min_cos - 1e-9), squared_cos = less_cos * less_cos;
+    std::size_t n_facing = 0;
+    for (std::size_t i = 0; i < n; i += n_wide) {
+        Double4 along{}, squared{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            Double4 middle, normal;
+            std::memcpy(&middle, planes.centroid[k].data() + i, sizeof middle);
+            std::memcpy(&normal, planes.normal[k].data() + i, sizeof normal);
+            const Double4 to_camera = centre[static_cast<Eigen::Index>(k)] - middle;
+            along += normal * to_camera;
+            squared += to_camera * to_camera;
+        }
+        const Long4 faces_camera = (along > 0) & (along * along >= squared_cos * squared);
+        for (std::size_t lane = 0; lane < n_wide; ++lane) {
+            facing[n_facing] = static_cast<std::int32_t>(i + lane);
+            n_facing += static_cast<std::size_t>(-faces_camera[lane]);
+        }
     }
-    return planes;
+    facing.resize(n_facing);
 }
 
 /// How a view sees one of the faces asked for.
@@ -49,57 +87,101 @@ struct FaceSight {
     float slope = 0, area_px = 0;  ///< see Visibility
 };
 
+/// Seven probes of a face tell whole, partly and not at all seen apart: at its corners, the middles of its edges and
+/// its centre, which is the last lane, too. Means on the screen lie on the triangle, since inverse depth is linear
+/// there.
+struct ProbeLanes {
+    Int8 column, row;
+    Float8 inverse_depth;
+};
+
+ANYRATE_VECTOR_CLONES
+void find_probes(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, ProbeLanes& out) {
+    constexpr float third = 1.0F / 3.0F;
+    constexpr Float8 parts{1, 1, 1, 0.5F, 0.5F, 0.5F, third, third};
+    const Float8 x = parts * (Float8{a.x, b.x, c.x, a.x, b.x, c.x, a.x, a.x} +
+                              Float8{0, 0, 0, b.x, c.x, a.x, b.x, b.x} + Float8{0, 0, 0, 0, 0, 0, c.x, c.x});
+    const Float8 y = parts * (Float8{a.y, b.y, c.y, a.y, b.y, c.y, a.y, a.y} +
+                              Float8{0, 0, 0, b.y, c.y, a.y, b.y, b.y} + Float8{0, 0, 0, 0, 0, 0, c.y, c.y});
+    const float az = a.inverse_depth, bz = b.inverse_depth, cz = c.inverse_depth;
+    out.inverse_depth = parts * (Float8{az, bz, cz, az, bz, cz, az, az} + Float8{0, 0, 0, bz, cz, az, bz, bz} +
+                                 Float8{0, 0, 0, 0, 0, 0, cz, cz});
+    out.column = __builtin_convertvector(x, Int8);
+    out.row = __builtin_convertvector(y, Int8);
+}
+
 /// The faces of the list that one view sees, in their order.
 class Looker {
 public:
-    Looker(const PhotoView& view, int level, std::span<const ScreenVertex> vertices, const Image<float>& inverse_depth,
-           const VisibilityOptions& options)
+    Looker(const PhotoView& view, int level, std::span<const ScreenVertex> vertices, const VisibilityOptions& options)
         : view_(view),
           vertices_(vertices),
-          inverse_depth_(inverse_depth),
+          width_(view.levels[at(level)].width),
+          height_(view.levels[at(level)].height),
           options_(options),
           per_px_(std::ldexp(options.tolerance_px, level) / view.focal_px),
           area_scale_(std::ldexp(0.5F, 2 * level)) {}
 
-    std::vector<FaceSight> look(std::span<const Triangle> triangles, std::span<const std::int32_t> faces,
-                                std::span<const FacePlane> planes) const {
+    /// Those that it would see if nothing hid them.
+    std::vector<FaceSight> find(std::span<const Triangle> triangles, std::span<const std::int32_t> faces,
+                                const FacePlanes& planes) const {
+        thread_local std::vector<std::int32_t> facing;
+        find_facing(planes, view_.centre, options_.min_cos, facing);
         std::vector<FaceSight> sights;
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-            const Vec3 to_camera = view_.centre - planes[i].centroid;
-            const double along = planes[i].normal.dot(to_camera);
+        sights.reserve(facing.size());
+        for (const std::int32_t i : facing) {
+            const Vec3 to_camera = view_.centre - planes.centroid_of(at(i));
+            const double along = planes.normal_of(at(i)).dot(to_camera);
             if (!(along > 0)) continue;
             const double cos_theta = along / to_camera.norm();
-            if (cos_theta < options_.min_cos) continue;
-            FaceSight sight{static_cast<std::int32_t>(i), false, 0, 0};
+            if (cos_theta < options_.min_cos || !is_in_image(triangles[at(faces[at(i)])])) continue;
             const double tan_theta = std::sqrt(std::max(0.0, 1.0 - cos_theta * cos_theta)) / cos_theta;
-            sight.slope = static_cast<float>(per_px_ * (1.0 + tan_theta));
-            if (is_seen(triangles[at(faces[i])], sight)) sights.push_back(sight);
+            sights.push_back({i, false, static_cast<float>(per_px_ * (1.0 + tan_theta)), 0});
         }
         return sights;
     }
 
+    /// The pixels of the depth map around some faces, as far as Visibility reaches.
+    PixelBox box_around(std::span<const FaceSight> sights, std::span<const Triangle> triangles,
+                        std::span<const std::int32_t> faces) const {
+        std::vector<ScreenVertex> corners;
+        corners.reserve(3 * sights.size());
+        for (const FaceSight& sight : sights)
+            for (const std::int32_t v : triangles[at(faces[at(sight.index)])]) corners.push_back(vertices_[at(v)]);
+        const PixelBox box = pixels_around(corners, width_, height_);
+        constexpr int reach = Visibility::reach_px;
+        return {std::max(0, box.x0 - reach), std::max(0, box.y0 - reach), std::min(width_, box.x1 + reach),
+                std::min(height_, box.y1 + reach)};
+    }
+
+    /// Leaves those that it does see.
+    void look(std::span<const Triangle> triangles, std::span<const std::int32_t> faces, const InverseDepthPart& depth,
+              std::vector<FaceSight>& sights) const {
+        std::erase_if(sights,
+                      [&](FaceSight& sight) { return !is_seen(triangles[at(faces[at(sight.index)])], depth, sight); });
+    }
+
 private:
-    bool is_seen(const Triangle& t, FaceSight& sight) const {
-        const ScreenVertex corners[3] = {vertices_[at(t[0])], vertices_[at(t[1])], vertices_[at(t[2])]};
-        const auto width = static_cast<float>(inverse_depth_.width - 1),
-                   height = static_cast<float>(inverse_depth_.height - 1);
-        for (const ScreenVertex& c : corners)
-            if (!(c.inverse_depth > 0 && c.x >= 0 && c.y >= 0 && c.x < width && c.y < height)) return false;
-        // Corners, edge middles and the centre: seven probes tell whole, partly and not at all apart. Means on the
-        // screen lie on the triangle, since inverse depth is linear there.
+    bool is_in_image(const Triangle& t) const {
+        const auto right = static_cast<float>(width_ - 1), bottom = static_cast<float>(height_ - 1);
+        return std::ranges::all_of(t, [&](std::int32_t v) {
+            const ScreenVertex& p = vertices_[at(v)];
+            return p.inverse_depth > 0 && p.x >= 0 && p.y >= 0 && p.x < right && p.y < bottom;
+        });
+    }
+
+    bool is_seen(const Triangle& t, const InverseDepthPart& depth, FaceSight& sight) const {
+        const ScreenVertex &a = vertices_[at(t[0])], &b = vertices_[at(t[1])], &c = vertices_[at(t[2])];
+        ProbeLanes probes;
+        find_probes(a, b, c, probes);
+        const Float8 reached = probes.inverse_depth * (1.0F + sight.slope);
         int n_seen = 0;
-        const auto probe = [&](float x, float y, float inverse_depth) {
-            n_seen += inverse_depth * (1.0F + sight.slope) >= nearest_around(inverse_depth_, x, y) ? 1 : 0;
-        };
-        for (int k = 0; k < 3; ++k) {
-            const ScreenVertex &a = corners[k], &b = corners[(k + 1) % 3];
-            probe(a.x, a.y, a.inverse_depth);
-            probe(0.5F * (a.x + b.x), 0.5F * (a.y + b.y), 0.5F * (a.inverse_depth + b.inverse_depth));
+        for (std::size_t lane = 0; lane < 7; ++lane) {
+            // What hides most of the four pixels around.
+            const float* const top = &depth.pixels(probes.column[lane] - depth.x, probes.row[lane] - depth.y);
+            const float* const bottom = top + depth.pixels.width;
+            n_seen += reached[lane] >= std::max(std::max(top[0], top[1]), std::max(bottom[0], bottom[1])) ? 1 : 0;
         }
-        const ScreenVertex &a = corners[0], &b = corners[1], &c = corners[2];
-        constexpr float third = 1.0F / 3.0F;
-        probe(third * (a.x + b.x + c.x), third * (a.y + b.y + c.y),
-              third * (a.inverse_depth + b.inverse_depth + c.inverse_depth));
         sight.whole = n_seen == 7;
         sight.area_px = area_scale_ * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
         return n_seen > 0;
@@ -107,11 +189,23 @@ private:
 
     const PhotoView& view_;
     std::span<const ScreenVertex> vertices_;
-    const Image<float>& inverse_depth_;
+    int width_, height_;  ///< of the depth map
     const VisibilityOptions& options_;
     double per_px_;
     float area_scale_;
 };
+
+/// Renders the surface in a box: all that the view has of it, or what is around a part.
+InverseDepthPart render(const PixelBox& box, const PhotoLevel& level, std::span<const ScreenVertex> vertices,
+                        std::span<const Triangle> triangles, bool is_part) {
+    if (box.is_empty()) return {};
+    std::vector<Triangle> near;
+    if (is_part) {
+        near = triangles_at(box, vertices, triangles);
+        triangles = near;
+    }
+    return render_inverse_depth_in(box, level.width, level.height, vertices, triangles);
+}
 
 }  // namespace
 
@@ -137,15 +231,16 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
                        std::span<const std::int32_t> faces)
     : level_(depth_map_level(images, options.finest_level)),
       scale_(std::ldexp(1.0F, -level_)),
-      inverse_depth_(images.views.size()) {
+      views_(images.views.size()) {
     const std::size_t n_faces = surface.triangles.size();
     std::vector<std::int32_t> all;
-    if (faces.empty()) {
+    const bool is_part = !faces.empty() && faces.size() < n_faces;
+    if (!is_part) {
         all.resize(n_faces);
         std::iota(all.begin(), all.end(), 0);
         faces = all;
     }
-    const std::vector<FacePlane> planes = face_planes(surface, faces);
+    const FacePlanes planes(surface, faces);
     std::vector<std::vector<FaceSight>> by_view(images.views.size());
     parallel_for(
         by_view.size(),
@@ -153,9 +248,12 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
             const PhotoView& view = images.views[i];
             const PhotoLevel& level = view.levels[at(level_)];
             const std::vector<ScreenVertex> vertices = project(level, surface);
-            inverse_depth_[i] = render_inverse_depth(level.width, level.height, vertices, surface.triangles);
-            by_view[i] =
-                Looker(view, level_, vertices, inverse_depth_[i], options).look(surface.triangles, faces, planes);
+            const Looker looker(view, level_, vertices, options);
+            by_view[i] = looker.find(surface.triangles, faces, planes);
+            const PixelBox box = is_part ? looker.box_around(by_view[i], surface.triangles, faces)
+                                         : pixels_around(vertices, level.width, level.height);
+            views_[i] = {level.width, level.height, render(box, level, vertices, surface.triangles, is_part)};
+            looker.look(surface.triangles, faces, views_[i].depth, by_view[i]);
         },
         1);
 
@@ -180,20 +278,23 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
 
     pixel_size_.assign(n_faces, 0.0);
     parallel_for(faces.size(),
-                 [&](std::size_t i) { pixel_size_[at(faces[i])] = pixel_size_at(images, planes[i].centroid); });
+                 [&](std::size_t i) { pixel_size_[at(faces[i])] = pixel_size_at(images, planes.centroid_of(i)); });
 }
 
 ANYRATE_VECTOR_CLONES
 void Visibility::look_at(std::int32_t face, std::int32_t view, const Float8& x, const Float8& y,
                          const Float8& inverse_depth, Float8& visible) const {
-    const Image<float>& depths = inverse_depth_[at(view)];
+    const View& seen = views_[at(view)];
+    const Image<float>& depths = seen.depth.pixels;
     visible = Float8{};
     if (depths.width < 2 || depths.height < 2) return;
     const Float8 zero{}, px = (x + 0.5F) * scale_ - 0.5F, py = (y + 0.5F) * scale_ - 0.5F;
-    const Int8 inside = (px >= 0) & (py >= 0) & (px < static_cast<float>(depths.width - 1)) &
-                        (py < static_cast<float>(depths.height - 1));
-    const Float8 column = inside ? px : zero, row = inside ? py : zero;
-    const Int8 first = __builtin_convertvector(row, Int8) * depths.width + __builtin_convertvector(column, Int8);
+    const Int8 inside =
+        (px >= 0) & (py >= 0) & (px < static_cast<float>(seen.width - 1)) & (py < static_cast<float>(seen.height - 1));
+    const Int8 column = __builtin_convertvector(inside ? px : zero, Int8) - seen.depth.x;
+    const Int8 row = __builtin_convertvector(inside ? py : zero, Int8) - seen.depth.y;
+    const Int8 is_rendered = (column >= 0) & (row >= 0) & (column < depths.width - 1) & (row < depths.height - 1);
+    const Int8 first = (row * depths.width + column) & is_rendered;
     Float8 top_left, top_right, bottom_left, bottom_right;
     for (std::size_t lane = 0; lane < n_lanes; ++lane) {
         const float* const top = depths.pixels.data() + first[lane];
@@ -204,7 +305,7 @@ void Visibility::look_at(std::int32_t face, std::int32_t view, const Float8& x, 
     }
     const Float8 above = top_left < top_right ? top_right : top_left;
     const Float8 below = bottom_left < bottom_right ? bottom_right : bottom_left;
-    const Float8 nearest = above < below ? below : above;
+    const Float8 nearest = is_rendered ? (above < below ? below : above) : zero;
     visible = (inside & (inverse_depth * (1.0F + slope_[at(face)]) >= nearest)) ? zero + 1.0F : zero;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/capture/image.h"
 #include "core/reconstruction/float8.h"
+#include "core/reconstruction/inverse_depth.h"
 #include "core/reconstruction/photo_images.h"
 #include "core/reconstruction/surface_view.h"
 
@@ -37,7 +38,8 @@ double pixel_size_at(const PhotoImages& images, const Vec3& point);
 class Visibility {
 public:
     /// @param faces  that will be asked for, ascending; empty is all. The others hide what they hide, but views() and
-    /// mean_area_px() say nothing of them.
+    /// mean_area_px() say nothing of them, and depth is rendered around those asked for alone: up to reach_px from
+    /// where a view sees them, look_at() is the same as with all.
     Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options = {},
                std::span<const std::int32_t> faces = {});
 
@@ -50,16 +52,26 @@ public:
     double mean_area_px(std::int32_t face) const { return mean_area_px_[static_cast<std::size_t>(face)]; }
     /// World size of a pixel of level 0 at the face, from the nearest view (seen or not).
     double pixel_size(std::int32_t face) const { return pixel_size_[static_cast<std::size_t>(face)]; }
+    /// How far a face may be moved after it was asked for: more than the steps of a round of optimise_surface() take
+    /// it.
+    static constexpr int reach_px = 8;  ///< pixels of the depth map
     /// Which of eight points of the face, at pixels (x, y) of level 0, are in front of everything else.
+    /// @param view           one of views()
     /// @param inverse_depth  1 / world units, along the optical axis
     /// @param visible        1 or 0
     void look_at(std::int32_t face, std::int32_t view, const Float8& x, const Float8& y, const Float8& inverse_depth,
                  Float8& visible) const;
 
 private:
-    int level_ = 0;                            ///< of the pyramid, at which depth is rendered
-    float scale_ = 1;                          ///< of its pixels
-    std::vector<Image<float>> inverse_depth_;  ///< per view; 0 where there is no surface
+    /// What a view sees of the surface; there is nothing to see around the part that is rendered.
+    struct View {
+        int width = 0, height = 0;  ///< of the whole depth map
+        InverseDepthPart depth;     ///< 0 where there is no surface; empty if no face is seen
+    };
+
+    int level_ = 0;    ///< of the pyramid, at which depth is rendered
+    float scale_ = 1;  ///< of its pixels
+    std::vector<View> views_;
     std::vector<float> slope_;  ///< per face: depth tolerance as a part of depth, the largest over its views
     std::vector<std::size_t> begin_;
     std::vector<FaceView> face_views_;

@@ -63,3 +63,36 @@ TEST_CASE("Inverse depth: triangles across the frame fill what the image has of 
     // The camera stands outside of a sphere that fills the image.
     CHECK(std::ranges::all_of(inverse_depth.pixels, [](float d) { return d > 0; }));
 }
+
+TEST_CASE("Inverse depth: a part of the image is what the whole image has there, to the bit") {
+    const PhotoImages images = ring_of_views();
+    const PhotoLevel& level = images.views[2].levels[0];
+    // One sphere of small triangles before one whose triangles are larger than the boxes.
+    Mesh mesh = icosphere(4, 0.5, 0.4 * images.views[2].centre.normalized());
+    const Mesh large = icosphere(0, 1.5);
+    for (Triangle t : large.triangles) {
+        for (std::int32_t& v : t) v += mesh.n_vertices();
+        mesh.triangles.push_back(t);
+    }
+    mesh.vertices.insert(mesh.vertices.end(), large.vertices.begin(), large.vertices.end());
+    const Image<float> whole = render_inverse_depth(level, mesh);
+    const std::vector<ScreenVertex> vertices = project(level, mesh);
+    const int w = level.width, h = level.height;
+    for (const PixelBox& box : {PixelBox{0, 0, w, h}, PixelBox{50, 40, 51, 41}, PixelBox{0, 0, 7, 9},
+                                PixelBox{w - 2, h - 3, w, h}, PixelBox{31, 22, 78, 69}}) {
+        CAPTURE(box.x0);
+        const std::vector<Triangle> near = triangles_at(box, vertices, mesh.triangles);
+        for (const std::span<const Triangle> triangles : {std::span<const Triangle>(mesh.triangles), {near}}) {
+            const InverseDepthPart part = render_inverse_depth_in(box, w, h, vertices, triangles);
+            int n_different = 0;
+            for (int y = box.y0; y < box.y1; ++y)
+                for (int x = box.x0; x < box.x1; ++x)
+                    n_different += part.pixels(x - part.x, y - part.y) != whole(x, y) ? 1 : 0;
+            CHECK(n_different == 0);
+        }
+    }
+    const PixelBox around = pixels_around(vertices, w, h);
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+            if (x < around.x0 || y < around.y0 || x >= around.x1 || y >= around.y1) CHECK(whole(x, y) == 0);
+}

@@ -108,3 +108,47 @@ TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel a
     CHECK(part_hidden(0, 1.5) == 0.0);
     CHECK(part_hidden(finest, 0.5 * depth_pixel) > part_hidden(0, 0.5 * depth_pixel));
 }
+
+TEST_CASE("Visibility: of the faces asked for it says what it says with all of them") {
+    const PhotoImages images = ring_of_views(6);
+    // The bulge of a bent torus hides parts of it from the views beside.
+    const Mesh mesh = join(torus(0.6, 0.25, 60, 30), icosphere(3, 0.2, Vec3(0.9, 0.2, 0.1)));
+    const Visibility whole(images, mesh);
+    for (const auto& range : {std::pair{0, 40}, {700, 1500}, {mesh.n_faces() - 1200, mesh.n_faces()}}) {
+        CAPTURE(range.first);
+        std::vector<std::int32_t> faces;
+        for (std::int32_t f = range.first; f < range.second; f += 3) faces.push_back(f);
+        const Visibility part(images, mesh, {}, faces);
+        int n_hidden = 0, n_visible = 0;
+        for (const std::int32_t f : faces) {
+            const auto views = part.views(f), expected = whole.views(f);
+            REQUIRE(views.size() == expected.size());
+            CHECK(part.mean_area_px(f) == whole.mean_area_px(f));
+            CHECK(part.pixel_size(f) == whole.pixel_size(f));
+            const Triangle& t = mesh.triangles[static_cast<std::size_t>(f)];
+            for (std::size_t i = 0; i < views.size(); ++i) {
+                CHECK(views[i].view == expected[i].view);
+                CHECK(views[i].whole == expected[i].whole);
+                // Around the first corner, as far as it reaches.
+                const PhotoLevel& image = images.views[static_cast<std::size_t>(views[i].view)].levels[0];
+                const Vec3 x = image.P * mesh.vertices[static_cast<std::size_t>(t[0])].homogeneous();
+                const float reach = Visibility::reach_px * std::exp2(static_cast<float>(depth_map_level(images, 1)));
+                const Float8 u =
+                    Float8{-1, -0.5F, 0, 0.25F, 0.5F, 0.8F, 1, 0.1F} * reach + static_cast<float>(x.x() / x.z());
+                const Float8 v =
+                    Float8{1, 0.3F, 0, -0.6F, -1, 0.4F, 1, -0.2F} * reach + static_cast<float>(x.y() / x.z());
+                Float8 visible, also_visible;
+                const Float8 depth = Float8{} + static_cast<float>(1 / x.z());
+                part.look_at(f, views[i].view, u, v, depth, visible);
+                whole.look_at(f, views[i].view, u, v, depth, also_visible);
+                for (std::size_t lane = 0; lane < n_lanes; ++lane) {
+                    const bool in_part = visible[lane] > 0, in_whole = also_visible[lane] > 0;
+                    CHECK(in_part == in_whole);
+                    ++(in_part ? n_visible : n_hidden);
+                }
+            }
+        }
+        CHECK(n_visible > 0);
+        CHECK(n_hidden > 0);
+    }
+}
