@@ -10,7 +10,7 @@ namespace anyrate {
 
 struct ConfirmGuessOptions {
     int coarsest_level = 1;    ///< of the pyramid, where the guessed vertices start to move; later passes start finest
-    int rounds = 3;            ///< a level
+    int rounds = 2;            ///< a level
     int passes = 4;            ///< what one confirms is ground that the next starts from
     double attachment = 3e-3;  ///< of a guess to its place, see fair(); 1e-2: pot 3 % worse, 1e-3: nefertiti 2 %
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess

@@ -220,7 +220,7 @@ struct CoarseDepth {
 
 // Leaves the planes around the depths that are known nearby at half the resolution, at pixels where any is.
 void narrow(PlaneRanges& ranges, const PixelBox& box, const CoarseDepth& coarse) {
-    constexpr int margin = 3;  // a plane and a half of the coarse map
+    constexpr int margin = 2;  // a plane of the coarse map
     const Image<float>& known = coarse.map.inverse_depth;
     for (int y = 0; y < ranges.first.height; ++y)
         for (int x = 0; x < ranges.first.width; ++x) {

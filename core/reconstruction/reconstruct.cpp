@@ -153,7 +153,7 @@ void optimise_coarse_to_fine(PhotoBackend& backend, Start& start, const Progress
     for (int level = first; level >= 0; --level) {
         OptimiseOptions options;
         options.level = level;
-        options.rounds = level == 0 ? 4 : 2;
+        options.rounds = level == 0 ? 3 : 2;
         if (level > 0) options.silhouette_reach_px = 8.0;  // contours are still on their way
         if (level == 0) mesh = subdivide(mesh);
         optimise_surface(backend, start.silhouettes, mesh.vertices, mesh.triangles, {}, start.guessed.vertices(mesh),
