@@ -11,4 +11,11 @@ namespace anyrate {
 /// @throws InputError if so few vertices cannot carry the surface
 Mesh fit_coarse_mesh(const Mesh& mesh, int n_vertices, SurfaceMeter& meter);
 
+/// The longest part of it, on one thread: the surface as it is simplified first. For who has other work meanwhile.
+Mesh first_coarse_stage(const Mesh& mesh, int n_vertices);
+
+/// The rest of it.
+/// @param stage  first_coarse_stage() of the mesh, or of one with as many vertices that differs little from it
+Mesh fit_coarse_mesh(const Mesh& mesh, Mesh stage, int n_vertices, SurfaceMeter& meter);
+
 }  // namespace anyrate

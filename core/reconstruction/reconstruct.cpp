@@ -169,12 +169,18 @@ void optimise_coarse_to_fine(PhotoBackend& backend, Start& start, const Progress
 /// What stands for the fitted surface when base and splits are fitted to it.
 TrueSurface sampled(const Mesh& fitted) { return {fitted, samples_per_vertex * fitted.n_vertices()}; }
 
+/// What base and splits of a log are fitted to.
+struct FineSurface {
+    Mesh mesh;
+    Mesh first_stage;  ///< first_coarse_stage() of the mesh, about
+};
+
 /// The base of the log: as near to the fitted surface as its few vertices can be. Optimised against the photographs it
 /// is worse, since on facets as coarse as these they disagree whatever one does (pot, 36 views, at 2,500 vertices:
 /// 0.058 % of the diagonal, fitted 0.052 %).
-Mesh fit_base(const Mesh& fitted_mesh, const TrueSurface& fitted, int n_vertices) {
+Mesh fit_base(const FineSurface& surface, const TrueSurface& fitted, int n_vertices) {
     SurfaceMeter meter(fitted);
-    return fit_coarse_mesh(fitted_mesh, n_vertices, meter);
+    return fit_coarse_mesh(surface.mesh, surface.first_stage, n_vertices, meter);
 }
 
 /// Moves all vertices of a surface together to where the images agree most: they were put there a batch at a time. If
@@ -194,10 +200,11 @@ Mesh polished(Mesh mesh, PhotoBackend& backend, Start& start, const std::stop_to
 }
 
 /// The optimised surface again, with its vertices where the images ask for them: simplified, and refined as step 3
-/// would. The even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief. What base and
-/// splits of the log are fitted to.
+/// would. The even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief.
 /// @param n_approaching  vertices that the log will have when it stops to approach it
-Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const std::stop_token& stop) {
+/// @param n_base         vertices of the log's base
+FineSurface fine_surface(PhotoBackend& backend, Start& start, int n_approaching, int n_base,
+                         const std::stop_token& stop) {
     const Mesh& even = start.mesh;
     const auto part = [&](double p) { return static_cast<int>(p * even.n_vertices()); };
     const int n_vertices = std::max(part(fine_part), static_cast<int>(fine_over_log * n_approaching));
@@ -209,7 +216,12 @@ Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const 
     RefinableMesh state(to_base(base, grid), grid, {.step_ratio = fine_steps});
     refine_by_images(state, backend, {start.images, start.silhouettes, start.guessed, *fitted},
                      {.n_vertices = n_vertices, .growth = fine_growth, .dead_zone = fine_zone}, stop);
-    return polished(state.to_mesh(), backend, start, stop);
+    const Mesh refined = state.to_mesh();
+    FineSurface surface;
+    // It is simplified, on one thread, as it was before its last small steps.
+    run_beside([&] { surface.first_stage = first_coarse_stage(refined, n_base); },
+               [&] { surface.mesh = polished(refined, backend, start, stop); });
+    return surface;
 }
 
 /// The refinement's options, as far as the state at its start decides them.
@@ -311,10 +323,11 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
         guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
     }
     const int n_approaching = std::min(options.n_vertices, refine_options(options).n_approached);
-    Mesh fitted_mesh = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);
+    FineSurface surface =
+        fixed_rate ? FineSurface{mesh, {}} : fine_surface(*backend, start, n_approaching, n_base, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
-    const TrueSurface fitted = sampled(fitted_mesh);
-    if (!fixed_rate) mesh = fit_base(fitted_mesh, fitted, n_base);
+    const TrueSurface fitted = sampled(surface.mesh);
+    if (!fixed_rate) mesh = fit_base(surface, fitted, n_base);
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
@@ -326,7 +339,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
                         .shifts = shifts,
                         .guess_points = {guessed.points().begin(), guessed.points().end()},
                         .guess_reach = guessed.reach(),
-                        .fitted = std::move(fitted_mesh)});
+                        .fitted = std::move(surface.mesh)});
     SentBase sent = send_base(base, grid, frame, images, *backend, options, sink);
     RefinementPoint point{std::move(sent.state), {}};
     if (journal) journal->batch(point.is_rejected);

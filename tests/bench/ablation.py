@@ -86,7 +86,7 @@ TECHNIQUES = [
         "quadric_base",
         "the base's vertices stand where the surface bends",
         "core/mesh/coarse_fit.cpp",
-        "Mesh base = decimate(stages_above(mesh, n_vertices, meter), n_vertices);",
+        "Mesh base = decimate(stage, n_vertices);",
         "Mesh base = remesh_isotropic(mesh, {.n_vertices = n_vertices});",
     ),
     Technique(
@@ -114,15 +114,15 @@ TECHNIQUES = [
         "fine_surface",
         "base and splits are fitted to a surface that was refined by the images, not to an even mesh",
         CORE + "reconstruct.cpp",
-        "Mesh fitted_mesh = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);",
-        "Mesh fitted_mesh = mesh; static_cast<void>(n_approaching);",
+        "fixed_rate ? FineSurface{mesh, {}} : fine_surface(*backend, start, n_approaching, n_base, stop);",
+        "FineSurface{mesh, first_coarse_stage(mesh, n_base)};\n    static_cast<void>(n_approaching);",
     ),
     Technique(
         "polish",
         "that surface is untangled, and its vertices move together once more",
         CORE + "reconstruct.cpp",
-        "return polished(state.to_mesh(), backend, start, stop);",
-        "return state.to_mesh();",
+        "surface.mesh = polished(refined, backend, start, stop);",
+        "surface.mesh = refined;",
     ),
     Technique(
         "approach",
