@@ -119,7 +119,7 @@ TECHNIQUES = [
     ),
     Technique(
         "polish",
-        "that surface is untangled, and its vertices move together once more",
+        "that surface, untangled, moves as a whole once more",
         CORE + "reconstruct.cpp",
         "surface.mesh = polished(refined, backend, start, stop);",
         "surface.mesh = refined;",
