@@ -12,6 +12,7 @@
 
 #include "core/parallel.h"
 #include "core/reconstruction/float8.h"
+#include "core/reconstruction/parallax.h"
 #include "core/vector_clones.h"
 
 namespace anyrate {
@@ -44,10 +45,11 @@ struct PointLanes {
 class Passage {
 public:
     Passage(const DepthView& from, const DepthView& to)
-        : A_((to.map->P.leftCols<3>() * from.world_from_pixel).cast<float>()),
-          b_((to.map->P * from.centre.homogeneous()).cast<float>()),
-          between_((to.centre - from.centre).cast<float>()),
-          map_(to.map) {}
+        : between_((to.centre - from.centre).cast<float>()), map_(to.map) {
+        const Parallax parallax = parallax_between(from.map->P, from.centre, to.map->P);
+        A_ = parallax.A.cast<float>();
+        b_ = parallax.b.cast<float>();
+    }
 
     const DepthMap& map() const { return *map_; }
 

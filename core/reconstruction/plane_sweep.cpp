@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "core/parallel.h"
 #include "core/reconstruction/float8.h"
@@ -85,11 +84,6 @@ std::vector<SweptView> views_at(const PhotoImages& images, int level) {
     return views;
 }
 
-Parallax parallax_between(const SweptView& reference, const SweptView& other) {
-    const Mat34 &P = reference.P, &Q = other.P;
-    return {Q.leftCols<3>() * P.leftCols<3>().inverse(), Q * reference.centre.homogeneous()};
-}
-
 struct Neighbour {
     const SweptView* view = nullptr;
     double angle_rad = 0;
@@ -107,7 +101,8 @@ std::vector<Neighbour> neighbours_of(const std::vector<SweptView>& views, std::s
         const double angle = std::atan2(direction.cross(other).norm(), direction.dot(other));
         const bool shows_object = views[i].grey.width > 1 && views[i].grey.height > 1;
         if (shows_object && angle >= options.min_angle_deg * degree && angle <= options.max_angle_deg * degree)
-            neighbours.push_back({&views[i], angle, parallax_between(views[reference], views[i])});
+            neighbours.push_back(
+                {&views[i], angle, parallax_between(views[reference].P, views[reference].centre, views[i].P)});
     }
     std::stable_sort(neighbours.begin(), neighbours.end(),
                      [](const Neighbour& a, const Neighbour& b) { return a.angle_rad < b.angle_rad; });

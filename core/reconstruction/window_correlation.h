@@ -5,16 +5,10 @@
 #include <vector>
 
 #include "core/capture/image.h"
+#include "core/reconstruction/parallax.h"
 #include "core/reconstruction/pixel_box.h"
 
 namespace anyrate {
-
-/// How the pixels of one view move in another as their depth changes: x_other ~ A x + b / depth, both homogeneous,
-/// with the depth along the first view's optical axis.
-struct Parallax {
-    Mat3 A = Mat3::Identity();
-    Vec3 b = Vec3::Zero();
-};
 
 /// Brightness, 0 to `white`, or `unknown_brightness` where a pixel is not the object's alone.
 using BrightnessImage = Image<std::uint16_t>;
