@@ -30,18 +30,28 @@ constexpr double noise_length = 0.01;
 
 /// What part of an edge a point of the input may be off the mesh before a vertex reaches out for it.
 constexpr double least_reach = 0.4;
-constexpr std::size_t samples_a_vertex = 8;
+constexpr std::size_t samples_to_reach = 8;  ///< of the input, for each vertex of the mesh
+
+/// When the mesh is even enough to tell what such edges miss, and rounds enough are left to make them shorter.
+constexpr int detail_round = 5;
+constexpr double detail_scale = 0.5;
+constexpr std::size_t samples_of_detail = 32;  ///< of the input, for each vertex of the mesh
 
 class Remesher {
 public:
     explicit Remesher(const Mesh& mesh) : input_(mesh), target_(mesh), surface_(to_surface(mesh)) {
         surface_.add_property(face_);
         surface_.add_property(eroded_);
-        for (const VertexHandle v : surface_.vertices()) surface_.property(face_, v) = -1;
+        surface_.add_property(scale_);
+        for (const VertexHandle v : surface_.vertices()) {
+            surface_.property(face_, v) = -1;
+            surface_.property(scale_, v) = 1;
+        }
     }
 
     Mesh run(const RemeshOptions& options) {
         n_wanted_ = options.n_vertices;
+        const bool is_detailed = options.detail > 0;
         thin_out(3 * n_wanted_);
         double correction = 1;
         for (int round = 0; round < options.iterations; ++round) {
@@ -50,10 +60,12 @@ public:
             collapse_shorter_than(4.0 / 5.0 * length, 4.0 / 3.0 * length);
             improve_valences();
             if (round % 2 == 1) reach_out(length);
+            if (is_detailed && round == detail_round) shorten_edges(options.detail * length);
             relax();
-            correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
+            if (!is_detailed || round < detail_round)
+                correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
         }
-        meet_count();
+        if (!is_detailed) meet_count();
         for (int round = 0; round < n_polishing_rounds; ++round) {
             improve_valences();
             relax();
@@ -87,7 +99,9 @@ private:
 
     bool collapse_if_shorter(EdgeHandle e, double bound, double max_length) {
         if (surface_.status(e).deleted()) return false;
-        const double length2 = squared_length(surface_, e);
+        const double length2 = squared_length(surface_, e), scale = scale_of(e);
+        bound *= scale;
+        max_length *= scale;
         if (length2 >= bound * bound) return false;
         if (length2 < noise_length * noise_length * bound * bound)
             return collapse_blindly(surface_, surface_.halfedge_handle(e, 0));
@@ -124,7 +138,8 @@ private:
         const std::size_t n_edges = surface_.n_edges();  // the halves are looked at in the next round
         for (std::size_t i = 0; i < n_edges; ++i) {
             const EdgeHandle e(static_cast<int>(i));
-            if (squared_length(surface_, e) > bound * bound) split(e);
+            const double scale = scale_of(e);
+            if (squared_length(surface_, e) > bound * bound * scale * scale) split(e);
         }
     }
 
@@ -134,6 +149,7 @@ private:
         const Vec3 middle = (from(h) + to(h)) / 2;
         const std::int32_t hint = surface_.property(face_, surface_.from_vertex_handle(h));
         const VertexHandle v = surface_.add_vertex(middle);
+        surface_.property(scale_, v) = scale_of(e);
         surface_.split(e, v);
         const NearestSurface::Hit hit = project(middle, ring_normal(surface_, v), hint);
         surface_.property(face_, v) = hit.face;
@@ -166,29 +182,58 @@ private:
             surface_.set_point(v, target_.nearest(surface_.point(v), surface_.property(face_, v)).point);
     }
 
-    /// Pulls vertices to points of the input that lie off the mesh by a part of an edge, so that tips and rims which
-    /// collapses have eaten grow back. A sample of the input's vertices is asked, a few for each vertex of the mesh.
-    void reach_out(double length) {
-        const Mesh mesh = to_mesh(surface_);
+    /// A vertex of the input beside the mesh.
+    struct Sample {
+        std::size_t vertex = 0;
+        NearestSurface::Hit hit;  ///< on the mesh
+    };
+
+    /// Asks a sample of the input's vertices how far off the mesh they are.
+    std::vector<Sample> sample_input(const Mesh& mesh, std::size_t samples_a_vertex) const {
         const NearestSurface nearest(mesh);
         const std::size_t stride =
             std::max<std::size_t>(1, input_.vertices.size() / (samples_a_vertex * mesh.vertices.size()));
-        std::vector<NearestSurface::Hit> hits(input_.vertices.size() / stride);
-        parallel_for(hits.size(), [&](std::size_t i) { hits[i] = nearest.nearest(input_.vertices[i * stride]); });
-        std::vector<std::int32_t> farthest(mesh.vertices.size(), -1);  // the sample to go to
-        for (std::size_t i = 0; i < hits.size(); ++i) {
-            const double distance = std::sqrt(hits[i].squared_distance);
+        std::vector<Sample> samples(input_.vertices.size() / stride);
+        parallel_for(samples.size(), [&](std::size_t i) {
+            samples[i] = {i * stride, nearest.nearest(input_.vertices[i * stride])};
+        });
+        return samples;
+    }
+
+    /// Pulls vertices to points of the input that lie off the mesh by a part of an edge, so that tips and rims which
+    /// collapses have eaten grow back.
+    void reach_out(double length) {
+        const Mesh mesh = to_mesh(surface_);
+        std::vector<const Sample*> farthest(mesh.vertices.size(), nullptr);  // the one to go to
+        const std::vector<Sample> samples = sample_input(mesh, samples_to_reach);
+        for (const Sample& sample : samples) {
+            const double distance = std::sqrt(sample.hit.squared_distance);
             if (distance < least_reach * length || distance > length) continue;
-            const Vec3& p = input_.vertices[i * stride];
-            const auto& corners = mesh.triangles[hits[i].face];
+            const Vec3& p = input_.vertices[sample.vertex];
+            const auto& corners = mesh.triangles[sample.hit.face];
             const auto v = *std::ranges::min_element(
                 corners, {}, [&](std::int32_t c) { return (mesh.vertices[c] - p).squaredNorm(); });
-            if (farthest[v] < 0 || hits[i].squared_distance > hits[farthest[v]].squared_distance)
-                farthest[v] = static_cast<std::int32_t>(i);
+            if (!farthest[v] || sample.hit.squared_distance > farthest[v]->hit.squared_distance) farthest[v] = &sample;
         }
         for (std::size_t v = 0; v < farthest.size(); ++v)
-            if (farthest[v] >= 0)
-                move(surface_, VertexHandle(static_cast<int>(v)), input_.vertices[farthest[v] * stride]);
+            if (farthest[v]) move(surface_, VertexHandle(static_cast<int>(v)), input_.vertices[farthest[v]->vertex]);
+    }
+
+    /// Edges are wanted shorter around the vertices where the input is off the mesh, and around their neighbours.
+    /// @param distance  root mean square around a vertex, from which on it is
+    void shorten_edges(double distance) {
+        const Mesh mesh = to_mesh(surface_);
+        std::vector<double> sum(mesh.vertices.size(), 0.0);
+        std::vector<int> n(mesh.vertices.size(), 0);
+        for (const Sample& sample : sample_input(mesh, samples_of_detail))
+            for (const std::int32_t v : mesh.triangles[sample.hit.face]) {
+                sum[v] += sample.hit.squared_distance;
+                ++n[v];
+            }
+        const auto is_off = [&](std::int32_t v) { return sum[v] > n[v] * distance * distance; };
+        for (const Triangle& t : mesh.triangles)
+            if (std::ranges::any_of(t, is_off))
+                for (const std::int32_t v : t) surface_.property(scale_, VertexHandle(v)) = detail_scale;
     }
 
     /// The centre of gravity of the triangles around a vertex.
@@ -263,6 +308,12 @@ private:
         surface_.garbage_collection();
     }
 
+    double scale_of(EdgeHandle e) const {
+        const HalfedgeHandle h = surface_.halfedge_handle(e, 0);
+        return 0.5 * (surface_.property(scale_, surface_.from_vertex_handle(h)) +
+                      surface_.property(scale_, surface_.to_vertex_handle(h)));
+    }
+
     const Vec3& from(HalfedgeHandle h) const { return surface_.point(surface_.from_vertex_handle(h)); }
     const Vec3& to(HalfedgeHandle h) const { return surface_.point(surface_.to_vertex_handle(h)); }
 
@@ -270,6 +321,7 @@ private:
     NearestSurface target_;  ///< of the input
     Surface surface_;
     OpenMesh::VPropHandleT<double> eroded_;      ///< how far off the vertices may be that went into each
+    OpenMesh::VPropHandleT<double> scale_;       ///< of the edges wanted around each, in parts of the even ones
     OpenMesh::VPropHandleT<std::int32_t> face_;  ///< the input face each vertex was last projected to
     int n_wanted_ = 0;
 };
@@ -285,7 +337,8 @@ Mesh remesh_isotropic(const Mesh& mesh, const RemeshOptions& options) {
         throw InputError("remesh: expected at least 4 vertices a piece, got " + std::to_string(options.n_vertices) +
                          " for " + std::to_string(topology.n_components));
     Mesh even = Remesher(mesh).run(options);
-    if (std::abs(even.n_vertices() - options.n_vertices) > 0.02 * options.n_vertices)
+    const double too_many = options.detail > 0 ? 0.0 : even.n_vertices() - 1.02 * options.n_vertices;
+    if (even.n_vertices() < 0.98 * options.n_vertices || too_many > 0)
         throw InputError("remesh: " + std::to_string(options.n_vertices) + " vertices cannot carry the surface, got " +
                          std::to_string(even.n_vertices()));
     return even;

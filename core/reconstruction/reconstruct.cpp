@@ -32,6 +32,7 @@ namespace {
 
 constexpr int coarsest_level = 3;       ///< of the pyramid, where the coarse mesh starts to move
 constexpr double even_density = 1.6;    ///< coarse counts of vertices in the even mesh, before it is subdivided
+constexpr double even_detail = 0.1;     ///< see RemeshOptions; 0: coarse levels lose thin parts, pot 5 % worse
 constexpr double first_part = 0.2;      ///< of the subdivided mesh's vertices, from which it is refined anew
 constexpr double fine_part = 1.0;       ///< of the same, until which; 0.85: pot 3 % faster and at 10,000 7 % worse
 constexpr double fine_over_log = 1.2;   ///< or vertices of the log that approaches it, if that is more
@@ -87,8 +88,9 @@ struct Start {
     std::vector<std::vector<Vec2>> shifts;  // of the views, each time they were moved
 };
 
-/// Step 1: hull, Poisson, remesh to a count.
-Start make_start(Capture capture, int n_vertices, const CaptureFrame& frame, ModelSink& sink, const ProgressFn& tell) {
+/// Step 1: hull, Poisson, remesh.
+Start make_start(Capture capture, const RemeshOptions& remesh, const CaptureFrame& frame, ModelSink& sink,
+                 const ProgressFn& tell) {
     PhotoImages images = make_photo_images(capture);
     for (View& view : capture.views) view.image = {};  // from here on the masks will do
     tell({Stage::hull, 0, 0, 0});
@@ -101,7 +103,7 @@ Start make_start(Capture capture, int n_vertices, const CaptureFrame& frame, Mod
     Mesh mesh;
     std::vector<Gains> gains;
     std::optional<Silhouettes> silhouettes;
-    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, {.n_vertices = n_vertices}); },
+    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, remesh); },
                     [&] {
                         gains = even_out_exposure(images, initial.mesh);
                         silhouettes.emplace(capture);
@@ -304,8 +306,10 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     const CaptureFrame frame = to_own_frame(capture);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
-    const int n_even = std::max(fewest_even, static_cast<int>(even_density * n_base));
-    Start start = make_start(std::move(capture), fixed_rate ? n_base : n_even, frame, sink, tell);
+    RemeshOptions remesh{.n_vertices = n_base};
+    if (!fixed_rate)
+        remesh = {.n_vertices = std::max(fewest_even, static_cast<int>(even_density * n_base)), .detail = even_detail};
+    Start start = make_start(std::move(capture), remesh, frame, sink, tell);
     auto& [images, silhouettes, guessed, mesh, gains, shifts] = start;
 
     const auto backend = options.backend(images, Sampling::adaptive);

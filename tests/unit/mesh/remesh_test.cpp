@@ -120,6 +120,37 @@ TEST_CASE("remesh: a finger thinner than the edges keeps its tip and its shape")
     }
 }
 
+TEST_CASE("remesh: where even edges miss the shape, detail makes them half as long, and nowhere else") {
+    const Mesh shape = thin_shape(0.06, 80);
+    const auto mean_edge = [](const Mesh& mesh, bool of_finger) {
+        double sum = 0;
+        int n = 0;
+        const EdgeList edges = list_edges(mesh);
+        for (int e = 0; e < edges.n_edges(); ++e) {
+            const auto h = edges.edge(e)[0];
+            const Vec3 &a = mesh.vertices[origin(mesh, h)], &b = mesh.vertices[target(mesh, h)];
+            const double x = 0.5 * (a + b).x();  // the ball ends at -0.05, the finger at 0.91
+            if (of_finger ? x < 0.2 : x > -0.4) continue;
+            sum += (a - b).norm();
+            ++n;
+        }
+        return sum / n;
+    };
+    const Mesh even = remesh_isotropic(shape, {.n_vertices = 300});
+    const Mesh detailed = remesh_isotropic(shape, {.n_vertices = 300, .detail = 0.05});
+    CHECK(measure_topology(detailed).is_closed_manifold());
+    CHECK(measure_topology(detailed).euler == 2);
+    CHECK(detailed.n_vertices() > 300);
+    CHECK(mean_edge(detailed, true) < 0.7 * mean_edge(even, true));
+    CHECK(mean_edge(detailed, false) == doctest::Approx(mean_edge(even, false)).epsilon(0.1));
+    CHECK(vertex_distance(shape, detailed) < 0.7 * vertex_distance(shape, even));
+}
+
+TEST_CASE("remesh: a sphere has no detail that even edges miss") {
+    const Mesh sphere = icosphere(5);
+    CHECK(std::abs(remesh_isotropic(sphere, {.n_vertices = 1000, .detail = 0.1}).n_vertices() - 1000) <= 20);
+}
+
 TEST_CASE("remesh: the same input gives the same mesh") {
     const Mesh shape = thin_shape(0.06, 40);
     const Mesh first = remesh_isotropic(shape, {.n_vertices = 300}),
