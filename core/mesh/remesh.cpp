@@ -30,12 +30,11 @@ constexpr double noise_length = 0.01;
 
 /// What part of an edge a point of the input may be off the mesh before a vertex reaches out for it.
 constexpr double least_reach = 0.4;
-constexpr std::size_t samples_to_reach = 8;  ///< of the input, for each vertex of the mesh
+constexpr std::size_t samples_a_vertex = 8;
 
 /// When the mesh is even enough to tell what such edges miss, and rounds enough are left to make them shorter.
 constexpr int detail_round = 5;
 constexpr double detail_scale = 0.5;
-constexpr std::size_t samples_of_detail = 32;  ///< of the input, for each vertex of the mesh
 
 class Remesher {
 public:
@@ -188,8 +187,8 @@ private:
         NearestSurface::Hit hit;  ///< on the mesh
     };
 
-    /// Asks a sample of the input's vertices how far off the mesh they are.
-    std::vector<Sample> sample_input(const Mesh& mesh, std::size_t samples_a_vertex) const {
+    /// Asks a sample of the input's vertices, a few for each vertex of the mesh, how far off it they are.
+    std::vector<Sample> sample_input(const Mesh& mesh) const {
         const NearestSurface nearest(mesh);
         const std::size_t stride =
             std::max<std::size_t>(1, input_.vertices.size() / (samples_a_vertex * mesh.vertices.size()));
@@ -205,7 +204,7 @@ private:
     void reach_out(double length) {
         const Mesh mesh = to_mesh(surface_);
         std::vector<const Sample*> farthest(mesh.vertices.size(), nullptr);  // the one to go to
-        const std::vector<Sample> samples = sample_input(mesh, samples_to_reach);
+        const std::vector<Sample> samples = sample_input(mesh);
         for (const Sample& sample : samples) {
             const double distance = std::sqrt(sample.hit.squared_distance);
             if (distance < least_reach * length || distance > length) continue;
@@ -225,7 +224,7 @@ private:
         const Mesh mesh = to_mesh(surface_);
         std::vector<double> sum(mesh.vertices.size(), 0.0);
         std::vector<int> n(mesh.vertices.size(), 0);
-        for (const Sample& sample : sample_input(mesh, samples_of_detail))
+        for (const Sample& sample : sample_input(mesh))
             for (const std::int32_t v : mesh.triangles[sample.hit.face]) {
                 sum[v] += sample.hit.squared_distance;
                 ++n[v];

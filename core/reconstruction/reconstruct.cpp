@@ -219,6 +219,7 @@ FineSurface fine_surface(PhotoBackend& backend, Start& start, int n_approaching,
                      {.n_vertices = n_vertices, .growth = fine_growth, .dead_zone = fine_zone}, stop);
     Mesh refined = state.to_mesh();
     untangle(refined);
+    give_back_freed_memory();
     FineSurface surface;
     // It is simplified, on one thread, as it was before its last small steps; but untangled, since a base that passes
     // through itself never comes apart again.
@@ -326,6 +327,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     } else {
         optimise_coarse_to_fine(sampler, start, tell, stop);
         guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
+        give_back_freed_memory();
     }
     const int n_approaching = std::min(options.n_vertices, refine_options(options).n_approached);
     FineSurface surface =
