@@ -32,8 +32,8 @@ constexpr double noise_length = 0.01;
 constexpr double least_reach = 0.4;
 constexpr std::size_t samples_a_vertex = 8;
 
-/// When the mesh is even enough to tell what such edges miss, and rounds enough are left to make them shorter.
-constexpr int detail_round = 5;
+/// Of the even length: edges where longer ones miss the input. They are told half-way, when the mesh is even enough to
+/// ask and rounds enough are left to shorten them.
 constexpr double detail_scale = 0.5;
 
 class Remesher {
@@ -50,7 +50,8 @@ public:
 
     Mesh run(const RemeshOptions& options) {
         n_wanted_ = options.n_vertices;
-        const bool is_detailed = options.detail > 0;
+        detail_ = options.detail;
+        const int detail_round = options.iterations / 2;
         thin_out(3 * n_wanted_);
         double correction = 1;
         for (int round = 0; round < options.iterations; ++round) {
@@ -59,12 +60,12 @@ public:
             collapse_shorter_than(4.0 / 5.0 * length, 4.0 / 3.0 * length);
             improve_valences();
             if (round % 2 == 1) reach_out(length);
-            if (is_detailed && round == detail_round) shorten_edges(options.detail * length);
+            if (detail_ > 0 && round == detail_round) shorten_edges(detail_ * length);
             relax();
-            if (!is_detailed || round < detail_round)
+            if (detail_ == 0 || round < detail_round)
                 correction *= std::sqrt(static_cast<double>(surface_.n_vertices()) / n_wanted_);
         }
-        if (!is_detailed) meet_count();
+        meet_count();
         for (int round = 0; round < n_polishing_rounds; ++round) {
             improve_valences();
             relax();
@@ -257,10 +258,10 @@ private:
         return hit.face >= 0 ? hit : target_.nearest(p, hint);
     }
 
-    /// Single splits of the longest or collapses of the shortest edges.
+    /// Single splits of the longest or collapses of the shortest edges. More than the count are what detail adds.
     void meet_count() {
         int n = static_cast<int>(surface_.n_vertices());
-        if (n > n_wanted_) collapse_shortest(n - n_wanted_);
+        if (n > n_wanted_ && detail_ == 0) collapse_shortest(n - n_wanted_);
         if (n < n_wanted_) split_longest(n_wanted_ - n);
     }
 
@@ -323,6 +324,7 @@ private:
     OpenMesh::VPropHandleT<double> scale_;       ///< of the edges wanted around each, in parts of the even ones
     OpenMesh::VPropHandleT<std::int32_t> face_;  ///< the input face each vertex was last projected to
     int n_wanted_ = 0;
+    double detail_ = 0;
 };
 
 }  // namespace
@@ -336,8 +338,9 @@ Mesh remesh_isotropic(const Mesh& mesh, const RemeshOptions& options) {
         throw InputError("remesh: expected at least 4 vertices a piece, got " + std::to_string(options.n_vertices) +
                          " for " + std::to_string(topology.n_components));
     Mesh even = Remesher(mesh).run(options);
-    const double too_many = options.detail > 0 ? 0.0 : even.n_vertices() - 1.02 * options.n_vertices;
-    if (even.n_vertices() < 0.98 * options.n_vertices || too_many > 0)
+    const bool is_too_few = even.n_vertices() < 0.98 * options.n_vertices,
+               is_too_many = options.detail == 0 && even.n_vertices() > 1.02 * options.n_vertices;
+    if (is_too_few || is_too_many)
         throw InputError("remesh: " + std::to_string(options.n_vertices) + " vertices cannot carry the surface, got " +
                          std::to_string(even.n_vertices()));
     return even;
