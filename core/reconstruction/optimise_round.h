@@ -33,6 +33,7 @@ struct RoundRules {
     double clean_psi;       ///< squared colour units
     double faint_psi;       ///< squared colour units
     double noise_psi;       ///< squared colour units
+    double outlier;         ///< usual distortions, see credible_distortion()
     double noisy_psi;       ///< squared colour units
     double noisy_bending;   ///< in parts of the mean curvature of phi
     double weak_evidence;   ///< in parts of the mean curvature of phi

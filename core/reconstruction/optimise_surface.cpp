@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/reconstruction/optimise_round.h"
+#include "core/reconstruction/robust_terms.h"
 #include "core/reconstruction/tangential.h"
 
 namespace anyrate {
@@ -18,6 +19,7 @@ constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex:
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
 constexpr double faint_psi = 1.5;       ///< below it they show hardly more than their noise; see contour_price()
 constexpr double noise_psi = 2;         ///< of that noise: 8-bit images of a good sensor have no less
+constexpr double outlier = 30;          ///< usual distortions, see robust_terms.h; 100: nefertiti's ear ends worse
 constexpr double noise_curvature = 50;  ///< of phi along a normal, a sample: squared colour units per squared pixel
 constexpr double noisy_psi = 600;       ///< where smoothness counts twice and silhouettes thrice
 constexpr double noisy_bending = 0.04;  ///< added to the weight of bending there
@@ -56,6 +58,8 @@ public:
         }
         least_curvature_ = least_curvature(pixels);
         look();
+        credible_ = credible_distortion(terms_, noise_psi, outlier);
+        make_robust(terms_, credible_);
         weigh();
         energy_ = evaluate();
     }
@@ -78,6 +82,7 @@ public:
             }
             if (is_last) return true;
             look();
+            make_robust(terms_, credible_);
             energy_ = evaluate();
             if (energy_ < before) {
                 damping = std::max(damping / less_damping, least_damping);
@@ -170,7 +175,7 @@ private:
     std::vector<std::array<Vec3, 3>> directions_;
     std::vector<TriangleTerms> terms_;
     std::vector<SilhouetteTerm> silhouette_terms_;
-    double bending_ = 0, least_curvature_ = 0, first_samples_ = 0, energy_ = 0;
+    double credible_ = 0, bending_ = 0, least_curvature_ = 0, first_samples_ = 0, energy_ = 0;
 };
 
 void slide(std::vector<Vec3>& vertices, std::span<const Triangle> triangles, const OneRings& rings,
@@ -197,6 +202,7 @@ RoundRules round_rules() {
             .clean_psi = clean_psi,
             .faint_psi = faint_psi,
             .noise_psi = noise_psi,
+            .outlier = outlier,
             .noisy_psi = noisy_psi,
             .noisy_bending = noisy_bending,
             .weak_evidence = weak_evidence,

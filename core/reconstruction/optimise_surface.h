@@ -25,11 +25,11 @@ struct OptimiseOptions {
 };
 
 /// Step 2 at a fixed rate: moves the active vertices along their normals to where the images agree most, by damped
-/// Gauss-Newton steps on phi + silhouettes + bending, each but a round's last accepted only if that energy falls, else
-/// rolled back and damped more; between rounds vertices slide tangentially (Nghiem et al., Eq. 12) and visibility is
-/// rendered anew. All lengths are pixels or local edges, so there is no time step to choose. Differs from the paper's
-/// explicit flow (flow.h) in the step only: the same Eqs. 5-10 are minimised, with the derivative taken analytically
-/// instead of by Eq. 11, which remains its test.
+/// Gauss-Newton steps on phi (robust_terms.h) + silhouettes + bending, each but a round's last accepted only if that
+/// energy falls, else rolled back and damped more; between rounds vertices slide tangentially (Nghiem et al., Eq. 12)
+/// and visibility is rendered anew. All lengths are pixels or local edges, so there is no time step to choose. Differs
+/// from the paper's explicit flow (flow.h) in the step only: the same Eqs. 5-10 are minimised, with the derivative
+/// taken analytically instead of by Eq. 11, which remains its test.
 /// @param active      vertices that may move, ascending; empty is all
 /// @param is_guessed  one flag a vertex, or empty: what the images show at a face with a flagged corner is not the face
 /// @return whether anything moved

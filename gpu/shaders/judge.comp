@@ -1,8 +1,39 @@
 // The energy of the surface as it stands, and what comes next: IS_FIRST the round's first step, for which the terms'
 // weights are chosen, else whether the trial is taken (the loop of optimise_surface.cpp).
-layout(std430, binding = 6) readonly buffer Terms { float terms[]; };  // N_TERMS a face of the round
+layout(std430, binding = 6) coherent buffer Terms { float terms[]; };  // N_TERMS a face of the round
+
+// log(1 + x), also where that is next to 0.
+float log1p(float x) {
+    precise const float sum = 1 + x, rounded = sum - 1;
+    return rounded == 0 ? x : log(sum) * (x / rounded);
+}
+
+// make_robust() of robust_terms.h, for those terms that a round looks at.
+void make_robust(int face) {
+    const int at = N_TERMS * face;
+    const double n = double(terms[at + 1]);
+    if (!(n > 0) || !(credible > 0)) return;
+    const double x = double(terms[at]) / (n * credible), slope = 1 / (1 + x);
+    terms[at] = float(n * credible * double(log1p(float(x))));
+    for (int k = 2; k < 11; ++k) terms[at + k] = float(double(terms[at + k]) * slope);
+}
 
 #if IS_FIRST
+// credible_distortion() of robust_terms.h
+void find_credible() {
+    double sum = 0, n_samples = 0;
+    for (int i = worker; i < n_faces; i += WORKERS) {
+        const double n = double(terms[N_TERMS * i + 1]);
+        if (!(n > 0)) continue;
+        sum += n * double(log(float(max(noise_psi, double(terms[N_TERMS * i]) / n))));
+        n_samples += n;
+    }
+    sum = total(sum);
+    n_samples = total(n_samples);
+    if (worker == 0) credible = n_samples > 0 ? outlier * double(exp(float(sum / n_samples))) : 0.0lf;
+    meet();
+}
+
 // What silhouettes and smoothness weigh against phi in this round.
 void weigh(double psi) {
     const double noise = psi / noisy_psi;
@@ -49,8 +80,12 @@ void open_step() {
 }
 
 void main() {
+#if IS_FIRST
+    find_credible();
+#endif
     double phi = 0, n = 0;
     for (int i = worker; i < n_faces; i += WORKERS) {
+        make_robust(i);
         phi += double(terms[N_TERMS * i]);
         n += double(terms[N_TERMS * i + 1]);
     }

@@ -32,8 +32,10 @@ layout(std430, binding = 5) MAYBE_COHERENT buffer Control {
     double energy;         // where the step starts
     double bending;        // weight of a squared umbrella
     double first_samples;  // at the start of the round
+    double credible;       // distortion of a sample, see robust_terms.h; 0: there are no samples
     // OptimiseOptions and RoundRules:
-    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, weak_evidence, converged;
+    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, outlier, weak_evidence;
+    double converged;
     double least_curvature;  // that noise alone makes, a sample
     double more_damping, less_damping, least_damping, reach_px, beyond_px;
     int n_taken, n_refused;    // steps of the round, trials of the step

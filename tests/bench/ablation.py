@@ -76,6 +76,13 @@ TECHNIQUES = [
         "constexpr int coarsest_level = 0;",
     ),
     Technique(
+        "detail",
+        "the even mesh has edges half as long where it would miss the surface",
+        CORE + "reconstruct.cpp",
+        "constexpr double even_detail = 0.1;",
+        "constexpr double even_detail = 0;",
+    ),
+    Technique(
         "fine_mesh",
         "each face becomes four for the photographs themselves",
         CORE + "reconstruct.cpp",
@@ -144,6 +151,13 @@ TECHNIQUES = [
         CORE + "optimise_surface.cpp",
         "if (energy_ < before) {",
         "{",
+    ),
+    Technique(
+        "robust_phi",
+        "a face counts by its logarithm where it disagrees thirty times more than usual",
+        CORE + "optimise_surface.cpp",
+        "constexpr double outlier = 30;",
+        "constexpr double outlier = 1e30;",
     ),
     Technique(
         "damped_start",

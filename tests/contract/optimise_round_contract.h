@@ -77,10 +77,10 @@ inline std::vector<RoundCase> cases() {
     batch.damping = 0;
     batch.options.max_step_px = 40;
     cases.push_back(batch);
-    // Once it is as good as it gets, steps that are not damped at all are refused, in the end all trials of one.
-    const Mesh fine = icosphere(3, 0.99);
+    // Too far off to see its way, it is refused steps that are not damped at all, in the end all trials of one.
+    const Mesh small = icosphere(3, 0.9);
     RoundCase undamped{
-        "not damped at all", fine, every(1, fine.n_vertices()), {}, {.max_step_px = 10, .bending = 0}, 0, 8};
+        "not damped at all", small, every(1, small.n_vertices()), {}, {.max_step_px = 10, .bending = 0}, 0, 8};
     cases.push_back(undamped);
     const Mesh ring = shaken(torus(0.65, 0.3, 40, 24), 0.01, 3);
     cases.push_back({"a ring that is nowhere near", ring, every(1, ring.n_vertices()), {}, {.steps_per_round = 4}});
