@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs, builds, runs every test, and those that need no server a second time under AddressSanitizer and UBSan, where
-# each fuzz target looks for new inputs for half a minute.
+# each fuzz target looks for new inputs for ten seconds.
 # The last line is "N passed, N failed" (", N skipped" if any); the exit status is 0 only if tests ran and none failed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
