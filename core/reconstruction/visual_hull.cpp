@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/reconstruction/silhouette_cone.h"
+#include "core/reconstruction/view_sets.h"
 
 namespace anyrate {
 namespace {
@@ -41,6 +43,11 @@ struct Witnesses {
         ++n;
         if (const auto axis = cone.axis()) across += Mat3::Identity() - *axis * axis->transpose();
     }
+    Witnesses& operator+=(const Witnesses& others) {
+        n += others.n;
+        across += others.across;
+        return *this;
+    }
 };
 
 // A point about which too few views say something is not part of the hull. Complete views speak of all space: two of
@@ -57,8 +64,11 @@ public:
         many_ = is_complete_ ? 2 : std::max(2, static_cast<int>(cones.size()) / 3);
     }
 
+    /// Whether so many are enough wherever they look from.
+    bool are_many(int n) const { return n >= many_; }
+
     bool are_enough(const Witnesses& witnesses) const {
-        if (witnesses.n >= many_) return true;
+        if (are_many(witnesses.n)) return true;
         if (is_complete_ || witnesses.n < fewest) return false;
         // The least eigenvalue is above a bound if what is left without the bound is positive definite (Sylvester).
         const Mat3 left = witnesses.across - least_across * Mat3::Identity();
@@ -108,16 +118,6 @@ public:
         return rule_.are_enough(witnesses) ? field : largest_;
     }
 
-    bool is_inside(const Vec3& point) const {
-        Witnesses witnesses = everywhere_;
-        for (const SilhouetteCone* cone : cones_) {
-            const auto distance = cone->distance(point);
-            if (distance && *distance >= 0.0) return false;
-            if (distance) witnesses.add(*cone);
-        }
-        return rule_.are_enough(witnesses);
-    }
-
     // By central differences of width 2 step; where two cones meet, it points between their normals.
     Vec3 gradient(const Vec3& point, double step) const {
         Vec3 difference;
@@ -150,53 +150,92 @@ struct Cube {
 
 enum class Side { outside, inside, boundary };
 
-// A cell is outside only if some view shows its whole footprint empty, or too few views can contain any of it; so thin
-// parts survive. It is inside if every view either shows nothing but object or does not see it.
-Side classify(const Cones& cones, const WitnessRule& rule, const Vec3& centre, double half_edge) {
+// What the views show in a cell: in one of `mixed`, to be looked at in its parts, both object and background; in one of
+// `object` nothing but that; others say nothing about it.
+template <class Set>
+struct Shown {
+    Set mixed, object;
+};
+
+Witnesses witnesses_of(const Cones& cones, ConstViewSet views) {
     Witnesses witnesses;
-    bool is_mixed = false;
-    for (const SilhouetteCone& cone : cones) {
-        const Cover cover = cone.cover(centre, half_edge);
-        if (cover == Cover::background) return Side::outside;
-        is_mixed = is_mixed || cover == Cover::mixed;
-        if (cover != Cover::unseen) witnesses.add(cone);
-    }
-    if (!rule.are_enough(witnesses)) return Side::outside;
-    return is_mixed ? Side::boundary : Side::inside;
+    all_of(views, [&](std::size_t view) {
+        witnesses.add(cones[view]);
+        return true;
+    });
+    return witnesses;
 }
 
+// A cell is outside only if some view shows its whole footprint empty, or too few views can contain any of it; so thin
+// parts survive. It is inside if every view either shows nothing but object or does not see it.
+// @param shown  in the cell that it is a part of; then in itself
+Side classify(const Cones& cones, const WitnessRule& rule, const Vec3& centre, double half_edge, Shown<ViewSet> shown) {
+    const bool may_be_inside = all_of(shown.mixed, [&](std::size_t view) {
+        const Cover cover = cones[view].cover(centre, half_edge);
+        if (cover != Cover::mixed) remove(shown.mixed, view);
+        if (cover == Cover::object) insert(shown.object, view);
+        return cover != Cover::background;
+    });
+    if (!may_be_inside) return Side::outside;
+    if (!rule.are_many(count(shown.mixed) + count(shown.object))) {
+        Witnesses witnesses = witnesses_of(cones, shown.object);
+        witnesses += witnesses_of(cones, shown.mixed);
+        if (!rule.are_enough(witnesses)) return Side::outside;
+    }
+    return count(shown.mixed) > 0 ? Side::boundary : Side::inside;
+}
+
+// Cells of one level that the hull's boundary may pass, and what the views show in each.
+struct BoundaryCells {
+    std::vector<Cell> cells;
+    Shown<ViewSets> shown;
+};
+
 struct Carved {
-    std::vector<Cell> boundary;  // cells of the last level
+    BoundaryCells boundary;      // of the last level
     Eigen::AlignedBox3d inside;  // box of the cells of all levels that lie inside
 };
 
+Cell child_of(const Cell& parent, std::size_t n) {
+    const auto bit = [n](int axis) { return static_cast<std::int32_t>(n >> axis & 1); };
+    return {2 * parent[0] + bit(0), 2 * parent[1] + bit(1), 2 * parent[2] + bit(2)};
+}
+
 Carved carve(const Cones& cones, const Cube& cube, int depth) {
     const WitnessRule rule(cones);
-    Carved carved{{{0, 0, 0}}, {}};
+    Carved carved{{{{0, 0, 0}}, {ViewSets(1, cones.size()), ViewSets(1, cones.size())}}, {}};
+    for (std::size_t view = 0; view < cones.size(); ++view) insert(carved.boundary.shown.mixed[0], view);
     for (int level = 1; level <= depth; ++level) {
         const double edge = std::ldexp(cube.edge, -level);
-        const auto child_of = [](const Cell& parent, std::size_t n) {
-            const auto bit = [n](int axis) { return static_cast<std::int32_t>(n >> axis & 1); };
-            return Cell{2 * parent[0] + bit(0), 2 * parent[1] + bit(1), 2 * parent[2] + bit(2)};
-        };
         const auto lower_of = [&](const Cell& cell) -> Vec3 {
             return cube.lower + edge * Vec3(cell[0], cell[1], cell[2]);
         };
-        std::vector<Side> sides(8 * carved.boundary.size());
-        parallel_for(sides.size(), [&](std::size_t n) {
-            const Vec3 lower = lower_of(child_of(carved.boundary[n / 8], n % 8));
-            sides[n] = classify(cones, rule, lower.array() + 0.5 * edge, 0.5 * edge);
+        const BoundaryCells parents = std::move(carved.boundary);
+        const std::size_t n_children = 8 * parents.cells.size();
+        std::vector<Side> sides(n_children);
+        Shown<ViewSets> shown{ViewSets(n_children, cones.size()), ViewSets(n_children, cones.size())};
+        parallel_for(n_children, [&](std::size_t n) {
+            std::ranges::copy(parents.shown.mixed[n / 8], shown.mixed[n].begin());
+            std::ranges::copy(parents.shown.object[n / 8], shown.object[n].begin());
+            const Vec3 lower = lower_of(child_of(parents.cells[n / 8], n % 8));
+            sides[n] = classify(cones, rule, lower.array() + 0.5 * edge, 0.5 * edge, {shown.mixed[n], shown.object[n]});
         });
-        std::vector<Cell> next;
-        for (std::size_t n = 0; n < sides.size(); ++n) {
-            const Cell child = child_of(carved.boundary[n / 8], n % 8);
-            if (sides[n] == Side::boundary) next.push_back(child);
+        std::vector<std::size_t> kept;
+        std::vector<Cell> cells;
+        for (std::size_t n = 0; n < n_children; ++n) {
+            const Cell child = child_of(parents.cells[n / 8], n % 8);
+            if (sides[n] == Side::boundary) {
+                kept.push_back(n);
+                cells.push_back(child);
+            }
             if (sides[n] == Side::inside) {
                 carved.inside.extend(lower_of(child));
                 carved.inside.extend(lower_of(child) + Vec3::Constant(edge));
             }
         }
-        carved.boundary = std::move(next);
+        shown.mixed.keep(kept);
+        shown.object.keep(kept);
+        carved.boundary = {std::move(cells), std::move(shown)};
     }
     return carved;
 }
@@ -231,7 +270,7 @@ std::optional<Eigen::AlignedBox3d> find_object(const Cones& cones) {
         const Carved carved = carve(cones, *cube, depth);
         const double edge = std::ldexp(cube->edge, -depth);
         box = carved.inside;
-        for (const Cell& cell : carved.boundary) {
+        for (const Cell& cell : carved.boundary.cells) {
             const Vec3 lower = cube->lower + edge * Vec3(cell[0], cell[1], cell[2]);
             box.extend(lower);
             box.extend(lower + Vec3::Constant(edge));
@@ -264,11 +303,12 @@ Cube fine_cube(const Cones& cones, const Eigen::AlignedBox3d& box, const HullOpt
 
 // ---- from boundary cells to points
 
-enum Mark : std::uint8_t { unknown, needed, inside, outside };
+enum Mark : std::uint8_t { unknown, needed, taken, inside, outside };
 
 // What is known of the corners of the boundary cells: on a dense grid over just these cells, a byte a node.
 struct CornerGrid {
-    Vec3 lower;         // of node (0, 0, 0), world units
+    Cell first;         // whose lower corner is node (0, 0, 0)
+    Vec3 lower;         // of that node, world units
     double edge = 0.0;  // of a cell
     std::array<std::size_t, 3> size = {};
     std::vector<Mark> marks;
@@ -278,6 +318,22 @@ struct CornerGrid {
     Vec3 position(std::size_t i, std::size_t j, std::size_t k) const {
         return lower + edge * Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
     }
+
+    // The node at a cell's corner, whose bits tell the upper from the lower along each axis.
+    std::array<std::size_t, 3> corner_of(const Cell& cell, int corner) const {
+        std::array<std::size_t, 3> at;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            at[axis] = static_cast<std::size_t>(cell[axis] - first[axis] + (corner >> axis & 1));
+        return at;
+    }
+    Mark& mark_of(const Cell& cell, int corner) {
+        const auto [i, j, k] = corner_of(cell, corner);
+        return marks[node(i, j, k)];
+    }
+    Vec3 position_of(const Cell& cell, int corner) const {
+        const auto [i, j, k] = corner_of(cell, corner);
+        return position(i, j, k);
+    }
 };
 
 CornerGrid corners_of(const std::vector<Cell>& cells, const Cube& cube, int depth) {
@@ -285,32 +341,46 @@ CornerGrid corners_of(const std::vector<Cell>& cells, const Cube& cube, int dept
     for (const Cell& cell : cells) box.extend(Eigen::Vector3i(cell[0], cell[1], cell[2]));
     CornerGrid grid;
     grid.edge = std::ldexp(cube.edge, -depth);
+    grid.first = {box.min()[0], box.min()[1], box.min()[2]};
     grid.lower = cube.lower + grid.edge * box.min().cast<double>();
     for (int axis = 0; axis < 3; ++axis)
         grid.size[static_cast<std::size_t>(axis)] = static_cast<std::size_t>(box.sizes()[axis] + 2);
     grid.marks.assign(grid.plane() * grid.size[2], Mark::unknown);
     for (const Cell& cell : cells)
-        for (int corner = 0; corner < 8; ++corner) {
-            const auto at = [&](int axis) {
-                return static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] - box.min()[axis] +
-                                                (corner >> axis & 1));
-            };
-            grid.marks[grid.node(at(0), at(1), at(2))] = Mark::needed;
-        }
+        for (int corner = 0; corner < 8; ++corner) grid.mark_of(cell, corner) = Mark::needed;
     return grid;
 }
 
-void evaluate_corners(const HullField& field, CornerGrid& grid) {
-    parallel_for(
-        grid.size[1] * grid.size[2],
-        [&](std::size_t row) {
-            const std::size_t j = row % grid.size[1], k = row / grid.size[1];
-            for (std::size_t i = 0; i < grid.size[0]; ++i) {
-                Mark& mark = grid.marks[grid.node(i, j, k)];
-                if (mark == Mark::needed) mark = field.is_inside(grid.position(i, j, k)) ? Mark::inside : Mark::outside;
-            }
-        },
-        4);
+// A view that shows nothing but object in a cell does so at its corners.
+bool is_inside(const Cones& cones, const WitnessRule& rule, const Vec3& point, Shown<ConstViewSet> shown) {
+    int n_seeing = count(shown.object);
+    const bool may_be = all_of(shown.mixed, [&](std::size_t view) {
+        const auto distance = cones[view].distance(point);
+        n_seeing += distance ? 1 : 0;
+        return !distance || *distance < 0.0;
+    });
+    if (!may_be || rule.are_many(n_seeing)) return may_be;
+    Witnesses witnesses = witnesses_of(cones, shown.object);
+    all_of(shown.mixed, [&](std::size_t view) {
+        if (cones[view].distance(point)) witnesses.add(cones[view]);
+        return true;
+    });
+    return rule.are_enough(witnesses);
+}
+
+// Whichever cell comes first tells of a corner; all that share it would say the same.
+void evaluate_corners(const Cones& cones, const BoundaryCells& boundary, CornerGrid& grid) {
+    const WitnessRule rule(cones);
+    parallel_for(boundary.cells.size(), [&](std::size_t n) {
+        for (int corner = 0; corner < 8; ++corner) {
+            const std::atomic_ref<Mark> mark(grid.mark_of(boundary.cells[n], corner));
+            Mark expected = Mark::needed;
+            if (!mark.compare_exchange_strong(expected, Mark::taken, std::memory_order_relaxed)) continue;
+            const Vec3 point = grid.position_of(boundary.cells[n], corner);
+            const bool inside = is_inside(cones, rule, point, {boundary.shown.mixed[n], boundary.shown.object[n]});
+            mark.store(inside ? Mark::inside : Mark::outside, std::memory_order_relaxed);
+        }
+    });
 }
 
 // The surface point between an inner and an outer point, by the Illinois variant of regula falsi (Dowell and Jarratt
@@ -381,9 +451,10 @@ VisualHull visual_hull(const Capture& capture, const HullOptions& options) {
     if (!box) throw_no_common_inside(capture);
     int depth = 0;
     const Cube cube = fine_cube(cones, *box, options, depth);
-    CornerGrid grid = corners_of(carve(cones, cube, depth).boundary, cube, depth);
+    const Carved carved = carve(cones, cube, depth);
+    CornerGrid grid = corners_of(carved.boundary.cells, cube, depth);
+    evaluate_corners(cones, carved.boundary, grid);
     const HullField field(cones, 2.0 * grid.edge);
-    evaluate_corners(field, grid);
 
     VisualHull hull;
     hull.cell = grid.edge;
