@@ -103,8 +103,9 @@ struct PointLanes {
 
 /// Most points are deep inside a mask, where it says nothing of them: which ones may not be.
 /// @param reach_px  of the border; points up to two pixels further inside may be found, too
+/// @return whether any may be near
 ANYRATE_VECTOR_CLONES
-void find_near_border(const Silhouettes::View& view, const PointLanes& points, double reach_px, Int8& is_near) {
+bool find_near_border(const Silhouettes::View& view, const PointLanes& points, double reach_px, Int8& is_near) {
     const Image<std::int8_t>& image = *view.distance;
     const Vec3 first = view.P * points.first.homogeneous();
     Float8 projected[3];
@@ -125,6 +126,9 @@ void find_near_border(const Silhouettes::View& view, const PointLanes& points, d
     for (std::size_t lane = 0; lane < n_lanes; ++lane) distance[lane] = image.pixels[at(pixel[lane])];
     // From one of the four pixels around a point to the next the distance changes by no more than the way between them.
     is_near = in_image & (distance <= static_cast<std::int32_t>(eighths * (reach_px + 2)));
+    std::int32_t found = 0;
+    for (std::size_t lane = 0; lane < n_lanes; ++lane) found |= is_near[lane];
+    return found != 0;
 }
 
 }  // namespace
@@ -222,7 +226,7 @@ std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const
                      const PointLanes points(surface.vertices, vertices.subspan(begin, n));
                      for (const View& view : views_) {
                          Int8 is_near;
-                         find_near_border(view, points, reach_px, is_near);
+                         if (!find_near_border(view, points, reach_px, is_near)) continue;
                          for (std::size_t lane = 0; lane < n; ++lane) {
                              if (is_near[lane] == 0) continue;
                              const std::int32_t v = vertices[begin + lane];

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -90,9 +91,20 @@ public:
         for (const SilhouetteCone& cone : cones) cones_.push_back(&cone);
     }
 
-    // The same field for the neighbourhood of a point: without the views that show nothing but object there.
+    // The same field in a cube: without the views that show nothing but object there, or nothing.
+    HullField in_cube(const Vec3& centre, double half_edge) const {
+        HullField local(rule_, everywhere_, largest_);
+        for (const SilhouetteCone* cone : cones_) {
+            const Cover cover = cone->cover(centre, half_edge);
+            if (cover == Cover::object) local.everywhere_.add(*cone);
+            if (cover == Cover::background || cover == Cover::mixed) local.cones_.push_back(cone);
+        }
+        return local;
+    }
+
+    // The same for the neighbourhood of a point.
     HullField near(const Vec3& point, double radius) const {
-        HullField local(rule_, largest_);
+        HullField local(rule_, everywhere_, largest_);
         for (const SilhouetteCone* cone : cones_) {
             const auto distance = cone->distance(point);
             // A half more than the radius, as the distance is not quite Euclidean.
@@ -129,7 +141,8 @@ public:
     }
 
 private:
-    HullField(const WitnessRule& rule, double largest) : rule_(rule), largest_(largest) {}
+    HullField(const WitnessRule& rule, const Witnesses& everywhere, double largest)
+        : rule_(rule), everywhere_(everywhere), largest_(largest) {}
 
     std::vector<const SilhouetteCone*> cones_;
     WitnessRule rule_;
@@ -410,12 +423,12 @@ Vec3 crossing(const HullField& field, Vec3 in, Vec3 out) {
 // a rate of (|n_x| + |n_y| + |n_z|) / edge^2, whence the area of each point.
 std::vector<OrientedPoint> boundary_points(const HullField& field, const CornerGrid& grid) {
     std::vector<std::vector<OrientedPoint>> of_row(grid.size[1] * grid.size[2]);
-    const auto try_edge = [&](const Vec3& from, Mark mark_from, int axis, Mark mark_to,
+    const double step = 0.5 * grid.edge;
+    const auto try_edge = [&](const auto& field_around, const Vec3& from, Mark mark_from, int axis, Mark mark_to,
                               std::vector<OrientedPoint>& points) {
         if (mark_from < Mark::inside || mark_to < Mark::inside || mark_from == mark_to) return;
         const Vec3 to = from + grid.edge * Vec3::Unit(axis);
-        const double step = 0.5 * grid.edge;
-        const HullField local = field.near(0.5 * (from + to), step + step);
+        const HullField local = field_around().near(0.5 * (from + to), step + step);
         OrientedPoint point;
         point.position = mark_from == Mark::inside ? crossing(local, from, to) : crossing(local, to, from);
         const Vec3 gradient = local.gradient(point.position, step);
@@ -424,20 +437,39 @@ std::vector<OrientedPoint> boundary_points(const HullField& field, const CornerG
         point.area = grid.edge * grid.edge / point.normal.lpNorm<1>();
         points.push_back(point);
     };
+    const auto try_edges_of = [&](const auto& field_around, std::size_t i, std::size_t j, std::size_t k) {
+        const std::size_t node = grid.node(i, j, k);
+        const Mark mark = grid.marks[node];
+        if (mark < Mark::inside) return;
+        const Vec3 from = grid.position(i, j, k);
+        std::vector<OrientedPoint>& points = of_row[k * grid.size[1] + j];
+        if (i + 1 < grid.size[0]) try_edge(field_around, from, mark, 0, grid.marks[node + 1], points);
+        if (j + 1 < grid.size[1]) try_edge(field_around, from, mark, 1, grid.marks[node + grid.size[0]], points);
+        if (k + 1 < grid.size[2]) try_edge(field_around, from, mark, 2, grid.marks[node + grid.plane()], points);
+    };
+    // Blocks of nodes share what most views say of them: that all is object.
+    constexpr std::size_t side = 4;
+    const std::size_t n_across = (grid.size[1] + side - 1) / side;
     parallel_for(
-        of_row.size(),
-        [&](std::size_t row) {
-            const std::size_t j = row % grid.size[1], k = row / grid.size[1];
-            for (std::size_t i = 0; i < grid.size[0]; ++i) {
-                const std::size_t node = grid.node(i, j, k);
-                const Mark mark = grid.marks[node];
-                const Vec3 from = grid.position(i, j, k);
-                if (i + 1 < grid.size[0]) try_edge(from, mark, 0, grid.marks[node + 1], of_row[row]);
-                if (j + 1 < grid.size[1]) try_edge(from, mark, 1, grid.marks[node + grid.size[0]], of_row[row]);
-                if (k + 1 < grid.size[2]) try_edge(from, mark, 2, grid.marks[node + grid.plane()], of_row[row]);
+        n_across * ((grid.size[2] + side - 1) / side),
+        [&](std::size_t rows) {
+            const std::size_t j0 = rows % n_across * side, k0 = rows / n_across * side;
+            for (std::size_t i0 = 0; i0 < grid.size[0]; i0 += side) {
+                std::optional<HullField> in_block;
+                const auto field_around = [&]() -> const HullField& {
+                    // Its nodes' edges, and as much around them as the gradient looks at.
+                    const double half_edge = 0.5 * side * grid.edge + step;
+                    if (!in_block)
+                        in_block = field.in_cube(grid.position(i0, j0, k0).array() + 0.5 * side * grid.edge, half_edge);
+                    return *in_block;
+                };
+                for (std::size_t k = k0; k < std::min(k0 + side, grid.size[2]); ++k)
+                    for (std::size_t j = j0; j < std::min(j0 + side, grid.size[1]); ++j)
+                        for (std::size_t i = i0; i < std::min(i0 + side, grid.size[0]); ++i)
+                            try_edges_of(field_around, i, j, k);
             }
         },
-        4);
+        1);
     std::vector<OrientedPoint> points;
     for (const auto& row : of_row) points.insert(points.end(), row.begin(), row.end());
     return points;
