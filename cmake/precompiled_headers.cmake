@@ -19,9 +19,9 @@ function(add_precompiled_headers folder)
   foreach(target ${targets})
     get_target_property(type ${target} TYPE)
     get_target_property(libraries ${target} LINK_LIBRARIES)
-    if(NOT type MATCHES "STATIC_LIBRARY|EXECUTABLE")
+    if(NOT type MATCHES "STATIC_LIBRARY|EXECUTABLE" OR "${libraries}" MATCHES "OpenMP::")  # that has flags of its own
       continue()
-    elseif(ANYRATE_SANITIZE AND target MATCHES "^(proto|core_capture)$")  # they have flags of their own
+    elseif(ANYRATE_SANITIZE AND target MATCHES "^(proto|core_capture)$")  # so do they
       target_precompile_headers(${target} PRIVATE ${common_headers})
     elseif("${libraries}" MATCHES "test_main|test_gpu_main")
       target_precompile_headers(${target} REUSE_FROM precompiled_tests)
