@@ -11,7 +11,7 @@ namespace anyrate {
 struct ConfirmGuessOptions {
     int coarsest_level = 1;    ///< of the pyramid, where the guessed vertices start to move; later passes start finest
     int rounds = 2;            ///< a level
-    int passes = 4;            ///< what one confirms is ground that the next starts from
+    int passes = 3;            ///< each starts from what the last one confirmed; 4: no better, 2: pot 2 % worse
     double attachment = 3e-3;  ///< of a guess to its place, see fair(); 1e-2: pot 3 % worse, 1e-3: nefertiti 2 %
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
     double hopeless = 100;     ///< a shown vertex with a larger G, on trial too or hidden there, is a guess; same unit
