@@ -39,12 +39,9 @@ public:
     ViewSet operator[](std::size_t i) { return ViewSet(words_).subspan(n_words_ * i, n_words_); }
     ConstViewSet operator[](std::size_t i) const { return ConstViewSet(words_).subspan(n_words_ * i, n_words_); }
 
-    /// Keeps only these sets, ascending, in this order.
-    void keep(std::span<const std::size_t> kept) {
-        for (std::size_t n = 0; n < kept.size(); ++n)
-            std::copy_n(words_.begin() + static_cast<std::ptrdiff_t>(n_words_ * kept[n]), n_words_,
-                        words_.begin() + static_cast<std::ptrdiff_t>(n_words_ * n));
-        words_.resize(n_words_ * kept.size());
+    /// Puts these sets of `others`, of as many views, behind the own ones.
+    void append(const ViewSets& others, std::span<const std::size_t> chosen) {
+        for (const std::size_t i : chosen) words_.insert(words_.end(), others[i].begin(), others[i].end());
     }
 
 private:

@@ -11,8 +11,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "core/reconstruction/silhouette_cone.h"
-#include "core/reconstruction/view_sets.h"
+#include "core/reconstruction/hull_octree.h"
 
 namespace anyrate {
 namespace {
@@ -23,8 +22,6 @@ namespace {
                      " views; expected masks of one object (0 = background) and cameras that fit them");
 }
 
-using Cones = std::vector<SilhouetteCone>;
-
 Cones make_cones(const Capture& capture) {
     std::vector<std::optional<SilhouetteCone>> made(capture.views.size());
     parallel_for(
@@ -34,54 +31,6 @@ Cones make_cones(const Capture& capture) {
     for (auto& cone : made) cones.push_back(std::move(*cone));
     return cones;
 }
-
-// The views that say something about a point, and how well they fix a place there together.
-struct Witnesses {
-    int n = 0;
-    Mat3 across = Mat3::Zero();  // sum of the projections across the views' axes
-
-    void add(const SilhouetteCone& cone) {
-        ++n;
-        if (const auto axis = cone.axis()) across += Mat3::Identity() - *axis * axis->transpose();
-    }
-    Witnesses& operator+=(const Witnesses& others) {
-        n += others.n;
-        across += others.across;
-        return *this;
-    }
-};
-
-// A point about which too few views say something is not part of the hull. Complete views speak of all space: two of
-// them will do. Where there are none, the cones of a few neighbours still overlap far behind the object, in places that
-// no other image contains: so there are to be many, or they look across each other. A place is as uncertain along its
-// worst direction as the least eigenvalue of `across` is small: 1 - cos(angle) of two views. Of nefertiti's 22 images
-// cut to 70 % of their sides a third of the views alone cuts off parts that six see: 0.0303 % instead of 0.0250 %.
-class WitnessRule {
-public:
-    explicit WitnessRule(const Cones& cones) {
-        const auto n_complete =
-            std::count_if(cones.begin(), cones.end(), [](const auto& cone) { return cone.is_complete(); });
-        is_complete_ = n_complete >= 2;
-        many_ = is_complete_ ? 2 : std::max(2, static_cast<int>(cones.size()) / 3);
-    }
-
-    /// Whether so many are enough wherever they look from.
-    bool are_many(int n) const { return n >= many_; }
-
-    bool are_enough(const Witnesses& witnesses) const {
-        if (are_many(witnesses.n)) return true;
-        if (is_complete_ || witnesses.n < fewest) return false;
-        // The least eigenvalue is above a bound if what is left without the bound is positive definite (Sylvester).
-        const Mat3 left = witnesses.across - least_across * Mat3::Identity();
-        return left(0, 0) > 0 && left.topLeftCorner<2, 2>().determinant() > 0 && left.determinant() > 0;
-    }
-
-private:
-    static constexpr int fewest = 3;
-    static constexpr double least_across = 0.5;  // as of two views 60 degrees apart
-    bool is_complete_ = false;
-    int many_ = 2;
-};
 
 // The hull as the negative part of a function: the largest signed distance to the cones of the views that say something
 // about the point.
@@ -149,109 +98,6 @@ private:
     Witnesses everywhere_;  // of the neighbourhood, without those among cones_
     double largest_;
 };
-
-// ---- the octree, level by level: only the cells of the current level are held
-
-using Cell = std::array<std::int32_t, 3>;
-
-// A cube of 2^depth cells an axis.
-struct Cube {
-    Vec3 lower;
-    double edge = 0.0;
-    Vec3 centre() const { return lower.array() + 0.5 * edge; }
-};
-
-enum class Side { outside, inside, boundary };
-
-// What the views show in a cell: in one of `mixed`, to be looked at in its parts, both object and background; in one of
-// `object` nothing but that; others say nothing about it.
-template <class Set>
-struct Shown {
-    Set mixed, object;
-};
-
-Witnesses witnesses_of(const Cones& cones, ConstViewSet views) {
-    Witnesses witnesses;
-    all_of(views, [&](std::size_t view) {
-        witnesses.add(cones[view]);
-        return true;
-    });
-    return witnesses;
-}
-
-// A cell is outside only if some view shows its whole footprint empty, or too few views can contain any of it; so thin
-// parts survive. It is inside if every view either shows nothing but object or does not see it.
-// @param shown  in the cell that it is a part of; then in itself
-Side classify(const Cones& cones, const WitnessRule& rule, const Vec3& centre, double half_edge, Shown<ViewSet> shown) {
-    const bool may_be_inside = all_of(shown.mixed, [&](std::size_t view) {
-        const Cover cover = cones[view].cover(centre, half_edge);
-        if (cover != Cover::mixed) remove(shown.mixed, view);
-        if (cover == Cover::object) insert(shown.object, view);
-        return cover != Cover::background;
-    });
-    if (!may_be_inside) return Side::outside;
-    if (!rule.are_many(count(shown.mixed) + count(shown.object))) {
-        Witnesses witnesses = witnesses_of(cones, shown.object);
-        witnesses += witnesses_of(cones, shown.mixed);
-        if (!rule.are_enough(witnesses)) return Side::outside;
-    }
-    return count(shown.mixed) > 0 ? Side::boundary : Side::inside;
-}
-
-// Cells of one level that the hull's boundary may pass, and what the views show in each.
-struct BoundaryCells {
-    std::vector<Cell> cells;
-    Shown<ViewSets> shown;
-};
-
-struct Carved {
-    BoundaryCells boundary;      // of the last level
-    Eigen::AlignedBox3d inside;  // box of the cells of all levels that lie inside
-};
-
-Cell child_of(const Cell& parent, std::size_t n) {
-    const auto bit = [n](int axis) { return static_cast<std::int32_t>(n >> axis & 1); };
-    return {2 * parent[0] + bit(0), 2 * parent[1] + bit(1), 2 * parent[2] + bit(2)};
-}
-
-Carved carve(const Cones& cones, const Cube& cube, int depth) {
-    const WitnessRule rule(cones);
-    Carved carved{{{{0, 0, 0}}, {ViewSets(1, cones.size()), ViewSets(1, cones.size())}}, {}};
-    for (std::size_t view = 0; view < cones.size(); ++view) insert(carved.boundary.shown.mixed[0], view);
-    for (int level = 1; level <= depth; ++level) {
-        const double edge = std::ldexp(cube.edge, -level);
-        const auto lower_of = [&](const Cell& cell) -> Vec3 {
-            return cube.lower + edge * Vec3(cell[0], cell[1], cell[2]);
-        };
-        const BoundaryCells parents = std::move(carved.boundary);
-        const std::size_t n_children = 8 * parents.cells.size();
-        std::vector<Side> sides(n_children);
-        Shown<ViewSets> shown{ViewSets(n_children, cones.size()), ViewSets(n_children, cones.size())};
-        parallel_for(n_children, [&](std::size_t n) {
-            std::ranges::copy(parents.shown.mixed[n / 8], shown.mixed[n].begin());
-            std::ranges::copy(parents.shown.object[n / 8], shown.object[n].begin());
-            const Vec3 lower = lower_of(child_of(parents.cells[n / 8], n % 8));
-            sides[n] = classify(cones, rule, lower.array() + 0.5 * edge, 0.5 * edge, {shown.mixed[n], shown.object[n]});
-        });
-        std::vector<std::size_t> kept;
-        std::vector<Cell> cells;
-        for (std::size_t n = 0; n < n_children; ++n) {
-            const Cell child = child_of(parents.cells[n / 8], n % 8);
-            if (sides[n] == Side::boundary) {
-                kept.push_back(n);
-                cells.push_back(child);
-            }
-            if (sides[n] == Side::inside) {
-                carved.inside.extend(lower_of(child));
-                carved.inside.extend(lower_of(child) + Vec3::Constant(edge));
-            }
-        }
-        shown.mixed.keep(kept);
-        shown.object.keep(kept);
-        carved.boundary = {std::move(cells), std::move(shown)};
-    }
-    return carved;
-}
 
 // ---- where the object is
 

@@ -41,10 +41,12 @@ TEST_CASE("Sets of views: a visit that says no is the last") {
     CHECK(visited == std::vector<std::size_t>{1, 3});
 }
 
-TEST_CASE("Sets of views: those that are kept close ranks") {
-    ViewSets sets(4, 65);
-    for (std::size_t i = 0; i < 4; ++i) insert(sets[i], 61 + i);
-    sets.keep(std::array<std::size_t, 2>{1, 3});
-    CHECK(members(sets[0]) == std::vector<std::size_t>{62});
-    CHECK(members(sets[1]) == std::vector<std::size_t>{64});
+TEST_CASE("Sets of views: those that are appended stand behind the own ones") {
+    ViewSets others(4, 65), sets(1, 65);
+    for (std::size_t i = 0; i < 4; ++i) insert(others[i], 61 + i);
+    insert(sets[0], 7);
+    sets.append(others, std::array<std::size_t, 2>{1, 3});
+    CHECK(members(sets[0]) == std::vector<std::size_t>{7});
+    CHECK(members(sets[1]) == std::vector<std::size_t>{62});
+    CHECK(members(sets[2]) == std::vector<std::size_t>{64});
 }
