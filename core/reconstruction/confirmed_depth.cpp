@@ -263,10 +263,12 @@ ConfirmedDepth confirm(std::span<const DepthView> views, const DepthView& own, c
             Int8 n_confirm{}, n_contradict{};
             for (const Passage& passage : passages) ask(passage, points, least_cos, options, n_confirm, n_contradict);
             for (int lane = 0; lane < n; ++lane) {
-                if (!(points.inverse_depth[lane] > 0) || n_confirm[lane] < options.n_views) continue;
-                result.found.inverse_depth(x + lane, y) = points.inverse_depth[lane];
-                if (n_confirm[lane] > 2 * (n_contradict[lane] + n_seen_through(x + lane, y)))
-                    result.confirmed.inverse_depth(x + lane, y) = points.inverse_depth[lane];
+                if (!(points.inverse_depth[lane] > 0)) continue;
+                const int n_against = n_contradict[lane] + n_seen_through(x + lane, y);
+                const bool is_confirmed = n_confirm[lane] > 2 * n_against;
+                if (is_confirmed || n_confirm[lane] >= options.n_views)
+                    result.found.inverse_depth(x + lane, y) = points.inverse_depth[lane];
+                if (is_confirmed) result.confirmed.inverse_depth(x + lane, y) = points.inverse_depth[lane];
             }
         }
     return result;

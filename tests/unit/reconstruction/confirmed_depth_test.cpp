@@ -23,6 +23,12 @@ void move_middle(DepthMap& map, double distance, double behind) {
         for (int x = 12; x < 21; ++x) map.inverse_depth(x, y) = static_cast<float>(1 / (distance + behind));
 }
 
+// Leaves nothing known in the middle of a map's picture, as where the surface is hidden.
+void forget_middle(DepthMap& map) {
+    for (int y = 12; y < 21; ++y)
+        for (int x = 12; x < 21; ++x) map.inverse_depth(x, y) = 0;
+}
+
 int n_known(const DepthMap& map) {
     int n = 0;
     for (const float inverse_depth : map.inverse_depth.pixels) n += inverse_depth > 0;
@@ -42,6 +48,24 @@ TEST_CASE("Confirmed depth: what one view finds alone is unknown") {
     const auto confirmed = confirm_depths(maps).confirmed;
     CHECK(confirmed[0].inverse_depth(16, 16) == 0);
     CHECK(confirmed[1].inverse_depth(16, 16) > 0);
+}
+
+TEST_CASE("Confirmed depth: what two views find and no other looks at is kept") {
+    auto maps = walls({4, 4.2, 4.4, 4.6});
+    for (std::size_t i = 0; i < 2; ++i) move_middle(maps[i], 4 + 0.2 * static_cast<double>(i), 1);
+    for (std::size_t i = 2; i < 4; ++i) forget_middle(maps[i]);
+    const auto [found, confirmed] = confirm_depths(maps);
+    CHECK(found[0].inverse_depth(16, 16) == maps[0].inverse_depth(16, 16));
+    CHECK(confirmed[0].inverse_depth(16, 16) == maps[0].inverse_depth(16, 16));
+}
+
+TEST_CASE("Confirmed depth: what two views find behind the wall that a third sees is unknown") {
+    auto maps = walls({4, 4.2, 4.4, 4.6});
+    for (std::size_t i = 0; i < 2; ++i) move_middle(maps[i], 4 + 0.2 * static_cast<double>(i), 1);
+    forget_middle(maps[3]);
+    const auto [found, confirmed] = confirm_depths(maps);
+    CHECK(found[0].inverse_depth(16, 16) == 0);
+    CHECK(confirmed[0].inverse_depth(16, 16) == 0);
 }
 
 TEST_CASE("Confirmed depth: a place behind the wall that three views agree on falls to those that see the wall") {
