@@ -9,7 +9,7 @@ namespace anyrate {
 /// Depth maps of all views, with what they were rendered by.
 struct DepthMaps {
     GlBuffer cameras;  ///< P by rows at the start of each view's numbers
-    GlBuffer sizes;    ///< width and height of each view's map, pixels
+    GlBuffer sizes;    ///< width and height of each view's map, pixels; of a surface's then far_part() of each, as bits
     GlBuffer screen;   ///< every vertex as every view sees it, by views: pixel and 1 / depth
     std::optional<GlTextureArray>
         inverse_depth;  ///< bits of a float, 1 / world units along the optical axis; 0: nothing

@@ -1,6 +1,7 @@
 #include "gpu/gpu_surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -56,7 +57,10 @@ void GpuSurface::set(const SurfaceView& surface, int level, double samples_per_p
     for (const PhotoView& view : images_.views)
         tolerances.push_back(std::ldexp(options.tolerance_px, depth_level) / view.focal_px);
     work.write<double>(depth_.cameras, camera_block(images_, depth_level, tolerances));
-    work.write<std::int32_t>(depth_.sizes, size_block(images_, depth_level));
+    std::vector<std::int32_t> sizes = size_block(images_, depth_level);
+    for (const PhotoView& view : images_.views)
+        sizes.push_back(std::bit_cast<std::int32_t>(far_part(view, depth_level, options)));
+    work.write<std::int32_t>(depth_.sizes, sizes);
 
     std::vector<std::int32_t> all;
     if (faces.empty()) {

@@ -174,6 +174,31 @@ PixelBox pixels_around(std::span<const ScreenVertex> vertices, int width, int he
     return {pixel(left, width), pixel(top, height), pixel(right, width), pixel(bottom, height)};
 }
 
+ANYRATE_VECTOR_CLONES
+void widen_far_contours(InverseDepthPart& part, float far_part) {
+    Image<float>& depth = part.pixels;
+    if (depth.pixels.empty()) return;
+    const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
+    const auto larger = [](float a, float b) { return a < b ? b : a; };
+    // The largest of every pixel and the two beside it; of a row above the image those of its first row.
+    std::vector<float> beside(width * height);
+    for (std::size_t y = 0; y < height; ++y) {
+        const float* const row = depth.pixels.data() + y * width;
+        float* const out = beside.data() + y * width;
+        for (std::size_t x = 1; x + 1 < width; ++x) out[x] = larger(larger(row[x - 1], row[x]), row[x + 1]);
+        out[0] = larger(row[0], row[std::min<std::size_t>(1, width - 1)]);
+        out[width - 1] = larger(row[width - 1], row[width - std::min<std::size_t>(2, width)]);
+    }
+    for (std::size_t y = 0; y < height; ++y) {
+        float* const row = depth.pixels.data() + y * width;
+        const float* const here = beside.data() + y * width;
+        const float* const above = beside.data() + (y > 0 ? y - 1 : 0) * width;
+        const float* const below = beside.data() + std::min(y + 1, height - 1) * width;
+        for (std::size_t x = 0; x < width; ++x)
+            row[x] = larger(row[x], far_part * larger(larger(above[x], here[x]), below[x]));
+    }
+}
+
 InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
                                          std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles) {
     assert(!box.is_empty() && box.x0 >= 0 && box.y0 >= 0 && box.x1 <= width && box.y1 <= height);

@@ -35,6 +35,11 @@ struct InverseDepthPart {
 InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
                                          std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles);
 
+/// Lets every pixel hide its eight neighbours as well, where it is nearer than they by a clear margin: a contour that
+/// is a pixel off, before a surface far behind it, is in no neighbour's way. What is known of the neighbours stays.
+/// @param far_part  what of its inverse depth a surface has that is just clearly behind it, less than 1
+void widen_far_contours(InverseDepthPart& part, float far_part);
+
 /// The pixels of an image that triangles between some vertices can reach, and one around; empty where that is none.
 PixelBox pixels_around(std::span<const ScreenVertex> vertices, int width, int height);
 

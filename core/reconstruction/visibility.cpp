@@ -149,7 +149,7 @@ public:
         for (const FaceSight& sight : sights)
             for (const std::int32_t v : triangles[at(faces[at(sight.index)])]) corners.push_back(vertices_[at(v)]);
         const PixelBox box = pixels_around(corners, width_, height_);
-        constexpr int reach = Visibility::reach_px;
+        constexpr int reach = Visibility::reach_px + 1;  // widen_far_contours() asks one further
         return {std::max(0, box.x0 - reach), std::max(0, box.y0 - reach), std::min(width_, box.x1 + reach),
                 std::min(height_, box.y1 + reach)};
     }
@@ -220,6 +220,10 @@ int depth_map_level(const PhotoImages& images, int finest_level) {
     return level;
 }
 
+float far_part(const PhotoView& view, int level, const VisibilityOptions& options) {
+    return static_cast<float>(std::max(0.0, 1 - std::ldexp(options.far_px, level) / view.focal_px));
+}
+
 double pixel_size_at(const PhotoImages& images, const Vec3& point) {
     double squared = std::numeric_limits<double>::infinity();
     for (const PhotoView& view : images.views)
@@ -253,6 +257,7 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
             const PixelBox box = is_part ? looker.box_around(by_view[i], surface.triangles, faces)
                                          : pixels_around(vertices, level.width, level.height);
             views_[i] = {level.width, level.height, render(box, level, vertices, surface.triangles, is_part)};
+            widen_far_contours(views_[i].depth, far_part(view, level_, options));
             looker.look(surface.triangles, faces, views_[i].depth, by_view[i]);
         },
         1);

@@ -14,6 +14,10 @@ namespace anyrate {
 struct VisibilityOptions {
     double min_cos = 0.3;       ///< views flatter than this to the face do not count: their footprint is a smear
     double tolerance_px = 1.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
+    /// What stands this much in front of a surface, pixels of the depth map, hides a pixel more around it: behind a
+    /// contour that is not yet where it will be, a surface would follow the front's colours. Without it the bowl's floor
+    /// has pits and is 4 % worse; with 8 it is 2 % worse, with 2 or a second pixel around 8 and 15 %.
+    double far_px = 4.0;
     /// Of the pyramid, that depth is rendered at. A pixel of the depth map hides whatever the nearest surface around it
     /// would: at half the photographs' resolution that band along contours keeps colours mixed of front and back out of
     /// the measure. At 10,000 vertices the error is 12 % lower than at full resolution on the pot, 4 % on nefertiti.
@@ -29,6 +33,10 @@ struct FaceView {
 /// The pyramid level that depth is rendered at: `finest_level`, or a coarser one where that has more pixels than depth
 /// maps need.
 int depth_map_level(const PhotoImages& images, int finest_level);
+
+/// What a surface has of the inverse depth of another that is VisibilityOptions::far_px in front of it.
+/// @param level  of the pyramid, that depth is rendered at
+float far_part(const PhotoView& view, int level, const VisibilityOptions& options);
 
 /// World size of a pixel of level 0 at a point, from the nearest view.
 double pixel_size_at(const PhotoImages& images, const Vec3& point);

@@ -27,11 +27,20 @@ struct Pair {
 
 bool is_on_map(vec3 p, vec2 size) { return p.z > 0 && p.x >= 0 && p.y >= 0 && p.x < size.x && p.y < size.y; }
 
-// Largest 1 / depth of the four pixels around a point, which must have them.
-float nearest_around(usampler2DArray inverse_depth, int view, vec2 p) {
-    const ivec3 at = ivec3(int(p.x), int(p.y), view);
-    const uint top = max(texelFetch(inverse_depth, at, 0).r, texelFetch(inverse_depth, at + ivec3(1, 0, 0), 0).r);
-    const uint bottom =
-        max(texelFetch(inverse_depth, at + ivec3(0, 1, 0), 0).r, texelFetch(inverse_depth, at + ivec3(1, 1, 0), 0).r);
-    return uintBitsToFloat(max(top, bottom));
+// Largest 1 / depth of the four pixels around a point, which must have them, each with its neighbours as
+// widen_far_contours() of inverse_depth.h takes them.
+// @param size      of the view's depth map, pixels
+// @param far_part  see there
+float nearest_around(usampler2DArray inverse_depth, int view, vec2 p, ivec2 size, float far_part) {
+    const ivec2 first = ivec2(int(p.x), int(p.y));
+    uint nearest = 0, around = 0;
+    for (int y = -1; y <= 2; ++y)
+        for (int x = -1; x <= 2; ++x) {
+            const ivec2 pixel = clamp(first + ivec2(x, y), ivec2(0), size - 1);
+            const uint depth = texelFetch(inverse_depth, ivec3(pixel, view), 0).r;
+            around = max(around, depth);
+            if (x == clamp(x, 0, 1) && y == clamp(y, 0, 1)) nearest = max(nearest, depth);
+        }
+    precise float hidden_behind = far_part * uintBitsToFloat(around);
+    return max(uintBitsToFloat(nearest), hidden_behind);
 }

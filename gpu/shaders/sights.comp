@@ -5,7 +5,7 @@ layout(std430, binding = 0) readonly buffer Vertices { double vertices[]; };
 layout(std430, binding = 1) readonly buffer Triangles { int triangles[]; };
 layout(std430, binding = 2) readonly buffer Cameras { double cameras[]; };
 layout(std430, binding = 3) readonly buffer Screen { vec4 screen[]; };
-layout(std430, binding = 4) readonly buffer Sizes { int sizes[]; };
+layout(std430, binding = 4) readonly buffer Sizes { int sizes[]; };  // see DepthMaps
 layout(std430, binding = 5) readonly buffer Asked { int asked[]; };
 layout(std430, binding = 6) writeonly buffer Sights { int sights[]; };  // n_views a face: 2 view + (whole ? 1 : 0)
 layout(std430, binding = 7) writeonly buffer Faces { Face faces[]; };
@@ -21,7 +21,9 @@ dvec3 vertex(int v) { return dvec3(vertices[3 * v], vertices[3 * v + 1], vertice
 
 int is_seen(int view, vec3 probe, float slope) {
     precise float nearer = probe.z * (1.0 + slope);
-    return nearer >= nearest_around(inverse_depth, view, probe.xy) ? 1 : 0;
+    const ivec2 size = ivec2(sizes[2 * view], sizes[2 * view + 1]);
+    const float far_part = intBitsToFloat(sizes[2 * n_views + view]);
+    return nearer >= nearest_around(inverse_depth, view, probe.xy, size, far_part) ? 1 : 0;
 }
 
 void main() {

@@ -21,7 +21,7 @@ layout(location = 2) uniform int n_views;
 layout(location = 3) uniform int level;
 layout(location = 4) uniform float level_scale;  // pixels of level 0 in one of this level
 layout(location = 5) uniform float depth_scale;  // pixels of the depth map in one of level 0
-layout(std430, binding = 7) readonly buffer Sizes { int depth_sizes[]; };
+layout(std430, binding = 7) readonly buffer Sizes { int depth_sizes[]; };  // see DepthMaps
 
 vec3 colour(uint rgba) { return vec3(rgba & 255u, (rgba >> 8) & 255u, (rgba >> 16) & 255u); }
 
@@ -29,10 +29,11 @@ vec3 colour(uint rgba) { return vec3(rgba & 255u, (rgba >> 8) & 255u, (rgba >> 1
 bool is_visible(int view, vec2 pixel, float inverse_z, float slope) {
     precise vec2 on_photograph = (pixel + 0.5) * level_scale - 0.5;
     precise vec2 on_map = (on_photograph + 0.5) * depth_scale - 0.5;
-    const vec2 size = vec2(depth_sizes[2 * view] - 1, depth_sizes[2 * view + 1] - 1);
-    if (!is_on_map(vec3(on_map, 1), size)) return false;
+    const ivec2 size = ivec2(depth_sizes[2 * view], depth_sizes[2 * view + 1]);
+    if (!is_on_map(vec3(on_map, 1), vec2(size - 1))) return false;
     precise float nearer = inverse_z * (1.0 + slope);
-    return nearer >= nearest_around(inverse_depth, view, on_map);
+    const float far_part = intBitsToFloat(depth_sizes[2 * n_views + view]);
+    return nearer >= nearest_around(inverse_depth, view, on_map, size, far_part);
 }
 
 void main() {

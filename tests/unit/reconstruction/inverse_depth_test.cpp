@@ -96,3 +96,34 @@ TEST_CASE("Inverse depth: a part of the image is what the whole image has there,
         for (int x = 0; x < w; ++x)
             if (x < around.x0 || y < around.y0 || x >= around.x1 || y >= around.y1) CHECK(whole(x, y) == 0);
 }
+
+TEST_CASE("Inverse depth: a widened contour hides what lies clearly behind it, one pixel around, and nothing else") {
+    InverseDepthPart part{0, 0, Image<float>(19, 7, 0.0F)};
+    unsigned random = 1;
+    for (float& inverse_depth : part.pixels.pixels) {
+        random = random * 1664525u + 1013904223u;
+        inverse_depth = static_cast<float>(random >> 24) / 256;
+    }
+    const Image<float> before = part.pixels;
+    constexpr float far_part = 0.75F;
+    widen_far_contours(part, far_part);
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            float expected = before(x, y);
+            for (int v = std::max(0, y - 1); v <= std::min(before.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(before.width - 1, x + 1); ++u)
+                    expected = std::max(expected, far_part * before(u, v));
+            CHECK(part.pixels(x, y) == expected);
+        }
+}
+
+TEST_CASE("Inverse depth: contours of a picture one pixel wide or of none can be widened") {
+    InverseDepthPart column{0, 0, Image<float>(1, 3, 0.0F)};
+    column.pixels(0, 1) = 1;
+    widen_far_contours(column, 0.5F);
+    CHECK(column.pixels(0, 0) == 0.5F);
+    CHECK(column.pixels(0, 1) == 1);
+    InverseDepthPart nothing;
+    widen_far_contours(nothing, 0.5F);
+    CHECK(nothing.pixels.pixels.empty());
+}

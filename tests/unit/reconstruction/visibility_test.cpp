@@ -74,7 +74,7 @@ TEST_CASE("Visibility: what stands behind something else is not seen, at any sca
     }
 }
 
-TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel along a contour, and no further") {
+TEST_CASE("Visibility: along a contour what lies behind is hidden for one depth pixel, what lies far behind for two") {
     const PhotoImages images = ring_of_views(4);
     const double radius = 0.4;
     const Mesh front = icosphere(4, radius);
@@ -83,8 +83,10 @@ TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel a
     const Vec2 middle = (image.P * Vec3(0, 0, 0).homogeneous()).hnormalized();
     const double contour_px = images.views[0].focal_px * radius / std::sqrt(distance * distance - radius * radius);
     const auto behind = static_cast<float>(1 / (distance + 1));
-    const auto part_hidden = [&](int finest_level, double beyond_px) {
+    const double never = 1e9;
+    const auto part_hidden = [&](int finest_level, double beyond_px, double far_px) {
         VisibilityOptions options;
+        options.far_px = far_px;
         options.finest_level = finest_level;
         const Visibility visibility(images, front, options);
         constexpr int n_angles = 360;
@@ -102,11 +104,14 @@ TEST_CASE("Visibility: what lies behind is hidden in a band of one depth pixel a
     const int finest = VisibilityOptions{}.finest_level;
     REQUIRE(images.n_levels() > finest);
     const double depth_pixel = std::exp2(finest);
-    CHECK(part_hidden(finest, -0.5 * depth_pixel) == 1.0);
-    CHECK(part_hidden(finest, 0.25 * depth_pixel) > 0.8);
-    CHECK(part_hidden(finest, 1.5 * depth_pixel) == 0.0);  // beyond the diagonal of a pixel
-    CHECK(part_hidden(0, 1.5) == 0.0);
-    CHECK(part_hidden(finest, 0.5 * depth_pixel) > part_hidden(0, 0.5 * depth_pixel));
+    CHECK(part_hidden(finest, -0.5 * depth_pixel, never) == 1.0);
+    CHECK(part_hidden(finest, 0.25 * depth_pixel, never) > 0.8);
+    CHECK(part_hidden(finest, 1.5 * depth_pixel, never) == 0.0);  // beyond the diagonal of a pixel
+    CHECK(part_hidden(0, 1.5, never) == 0.0);
+    CHECK(part_hidden(finest, 0.5 * depth_pixel, never) > part_hidden(0, 0.5 * depth_pixel, never));
+    const double far_px = VisibilityOptions{}.far_px;
+    CHECK(part_hidden(finest, 1.25 * depth_pixel, far_px) > 0.8);
+    CHECK(part_hidden(finest, 3 * depth_pixel, far_px) == 0.0);  // beyond the diagonal of two pixels
 }
 
 TEST_CASE("Visibility: of the faces asked for it says what it says with all of them") {
