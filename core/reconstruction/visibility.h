@@ -15,8 +15,8 @@ struct VisibilityOptions {
     double min_cos = 0.3;       ///< views flatter than this to the face do not count: their footprint is a smear
     double tolerance_px = 1.0;  ///< depth tolerance, in pixels of the depth map times the slope of the face
     /// What stands this much in front of a surface, pixels of the depth map, hides a pixel more around it: behind a
-    /// contour that is not yet where it will be, a surface would follow the front's colours. Without it the bowl's floor
-    /// has pits and is 4 % worse; with 8 it is 2 % worse, with 2 or a second pixel around 8 and 15 %.
+    /// contour that is not yet where it will be, a surface would follow the front's colours. Without it the floor of
+    /// the bowl has pits and is 4 % worse; with 8 it is 2 % worse, with 2 or a second pixel around 8 and 15 %.
     double far_px = 4.0;
     /// Of the pyramid, that depth is rendered at. A pixel of the depth map hides whatever the nearest surface around it
     /// would: at half the photographs' resolution that band along contours keeps colours mixed of front and back out of

@@ -204,6 +204,20 @@ TECHNIQUES = [
         "int finest_level = 0;",
     ),
     Technique(
+        "far_contours",
+        "a contour hides a pixel more of what lies far behind it",
+        CORE + "visibility.h",
+        "double far_px = 4.0;",
+        "double far_px = 1e9;",
+    ),
+    Technique(
+        "lone_witness",
+        "a depth that nobody contradicts needs one other view",
+        CORE + "confirmed_depth.cpp",
+        "is_confirmed = n_confirm[lane] > 2 * n_against;",
+        "is_confirmed = n_confirm[lane] >= options.n_views && n_confirm[lane] > 2 * n_against;",
+    ),
+    Technique(
         "ranking_by_gain",
         "faces are split where a split promises most, not where phi is largest",
         CORE + "image_step.cpp",
