@@ -26,12 +26,23 @@ afterAll(async () => {
     scratch.remove();
 });
 
+/** Until the address has told the same view for a while: on a busy machine what covers the model comes late. */
+async function stillView(page) {
+    let [before, now] = [undefined, page.url()];
+    while (before !== now) {
+        before = now;
+        await page.waitForTimeout(500);
+        now = page.url();
+    }
+}
+
 /** The model's page, which stands still unless something moves it. */
 const withModel = (options, use, query = "") =>
     visit(browser, server.url, { reducedMotion: "reduce", ...options }, async (page) => {
         await page.goto(address + query);
         await settled(page);
-        await page.locator(".thumb").first().waitFor(); // the view is then the one that stays
+        await page.locator(".thumb").first().waitFor();
+        await stillView(page);
         await use(page);
     });
 

@@ -134,7 +134,7 @@ TEST_CASE("Confirm guesses: a lump that the photographs contradict, and would no
     scene.silhouettes = Silhouettes(scene.capture);
     Mesh mesh = icosphere(3);
     for (Vec3& v : mesh.vertices)
-        if (is_in_patch(v)) v *= 1 + 10 * (v.x() - 0.95);  // a cone
+        if (is_in_patch(v)) v *= 1 + 14 * (v.x() - 0.95);  // a cone
     const GuessedSurface left = confirm_guesses(*scene.backend, scene.silhouettes, {}, mesh);
     CHECK(n_guessed(left, mesh) > 5);
 }
