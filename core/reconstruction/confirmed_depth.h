@@ -7,7 +7,7 @@
 namespace anyrate {
 
 struct ConfirmOptions {
-    int n_views = 2;               ///< other views that must find the same surface where it is contradicted
+    int n_views = 2;               ///< other views that must find a surface which is contradicted
     double tolerance_px = 1.0;     ///< of disparity, within which two depths are the same
     double conflict_px = 3.0;      ///< of disparity, beyond which they contradict each other
     double max_angle_deg = 60.0;   ///< between the directions from a point to two views that are compared

@@ -35,9 +35,10 @@ struct InverseDepthPart {
 InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
                                          std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles);
 
-/// Lets every pixel hide its eight neighbours as well, where it is nearer than they by a clear margin: a contour that
-/// is a pixel off, before a surface far behind it, is in no neighbour's way. What is known of the neighbours stays.
-/// @param far_part  what of its inverse depth a surface has that is just clearly behind it, less than 1
+/// Draws every surface one pixel further, over what lies far behind it: each pixel becomes the larger of its own
+/// inverse depth and `far_part` of the largest among its eight neighbours.
+/// @param far_part  0 to 1: of a surface's inverse depth, what one has that counts as far behind it; see far_part() of
+///                  visibility.h
 void widen_far_contours(InverseDepthPart& part, float far_part);
 
 /// The pixels of an image that triangles between some vertices can reach, and one around; empty where that is none.

@@ -34,7 +34,8 @@ struct FaceView {
 /// maps need.
 int depth_map_level(const PhotoImages& images, int finest_level);
 
-/// What a surface has of the inverse depth of another that is VisibilityOptions::far_px in front of it.
+/// What a surface has, as a part from 0 to 1, of the inverse depth of another that is VisibilityOptions::far_px in
+/// front of it.
 /// @param level  of the pyramid, that depth is rendered at
 float far_part(const PhotoView& view, int level, const VisibilityOptions& options);
 
