@@ -1,6 +1,8 @@
 #include "core/mesh/nearest_surface.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <numeric>
 #include <tuple>
 
@@ -12,6 +14,25 @@ namespace {
 
 constexpr int most_pending = 64;    // three a level, and 4^16 is more triangles than there can be
 constexpr float precision = 1e-6F;  // of numbers computed in single precision, with a margin
+
+/// Four numbers, none below 0, the largest first, as their bits, whose order is theirs; the last two bits say which one
+/// it was. Without a branch, since each would be a coin's toss.
+std::array<std::int32_t, 4> farthest_first(const Float4& numbers) {
+    std::array<std::int32_t, 4> keys;
+    std::memcpy(keys.data(), &numbers, sizeof keys);
+    for (std::int32_t k = 0; k < 4; ++k) keys[k] = (keys[k] & ~3) | k;
+    const auto order = [&](std::size_t i, std::size_t j) {
+        const std::int32_t larger = std::max(keys[i], keys[j]);
+        keys[j] = std::min(keys[i], keys[j]);
+        keys[i] = larger;
+    };
+    order(0, 1);
+    order(2, 3);
+    order(0, 2);
+    order(1, 3);
+    order(1, 2);
+    return keys;
+}
 
 float below(double x, float slack) { return static_cast<float>(x) - slack; }
 float above(double x, float slack) { return static_cast<float>(x) + slack; }
@@ -81,12 +102,15 @@ NearestSurface::Box NearestSurface::build(std::span<const Box> boxes, std::int32
 template <class Accepts>
 NearestSurface::Hit NearestSurface::search(const Vec3& p, std::int32_t hint, const Accepts& accepts) const {
     Hit best;
+    float reach = std::numeric_limits<float>::infinity();  // squared
     const auto visit = [&](std::int32_t place) {
         const Corners& t = triangles_[place];
         if (!accepts(t)) return;
         const Vec3 q = closest_point_on_triangle(p, t.a, t.b, t.c);
         const double d2 = (q - p).squaredNorm();
-        if (d2 < best.squared_distance) best = {.point = q, .face = face_[place], .squared_distance = d2};
+        if (!(d2 < best.squared_distance)) return;
+        best = {.point = q, .face = face_[place], .squared_distance = d2};
+        reach = static_cast<float>(d2);
     };
     if (hint >= 0) visit(place_[hint]);
     const Vec3 from = p - centre_;
@@ -99,7 +123,7 @@ NearestSurface::Hit NearestSurface::search(const Vec3& p, std::int32_t hint, con
     stack[0] = {0, 0.0F};
     for (int n_pending = 1; n_pending > 0;) {
         const Pending top = stack[--n_pending];
-        if (top.squared_distance > best.squared_distance) continue;
+        if (top.squared_distance > reach) continue;
         if (top.child < 0) {
             visit(~top.child);
             continue;
@@ -112,14 +136,10 @@ NearestSurface::Hit NearestSurface::search(const Vec3& p, std::int32_t hint, con
             outside = outside < 0 ? Float4{} : outside;
             squared_distance += outside * outside;
         }
-        squared_distance *= 1 - 4 * precision;
-        const int first = n_pending;
-        for (std::size_t k = 0; k < width; ++k) {
-            if (squared_distance[k] > best.squared_distance) continue;
-            int place = n_pending++;  // the nearest comes last
-            for (; place > first && stack[place - 1].squared_distance < squared_distance[k]; --place)
-                stack[place] = stack[place - 1];
-            stack[place] = {node.child[k], squared_distance[k]};
+        for (const std::int32_t key : farthest_first(squared_distance * (1 - 4 * precision))) {
+            const float distance = std::bit_cast<float>(key);
+            stack[n_pending] = {node.child[key & 3], distance};  // taken back if it is too far away
+            n_pending += distance <= reach ? 1 : 0;
         }
     }
     return best;

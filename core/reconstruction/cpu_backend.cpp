@@ -4,15 +4,31 @@
 #include <cmath>
 #include <limits>
 
+#include "core/double4.h"
 #include "core/parallel.h"
 #include "core/reconstruction/photo_backend.h"
 #include "core/reconstruction/sample_lanes.h"
 #include "core/reconstruction/visibility.h"
+#include "core/vector_clones.h"
 
 namespace anyrate {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Three points or directions, a lane each; the last lane is the third again.
+struct CornerLanes {
+    Double4 x, y, z;
+
+    explicit CornerLanes(const std::array<Vec3, 3>& corners) {
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const Vec3& corner = corners[std::min<std::size_t>(lane, 2)];
+            x[lane] = corner.x();
+            y[lane] = corner.y();
+            z[lane] = corner.z();
+        }
+    }
+};
 
 class CpuBackend final : public PhotoBackend {
 public:
@@ -72,43 +88,45 @@ private:
     }
 
     /// The triangle in the views that see it. @param directions  of its corners; nullptr if not needed
+    ANYRATE_VECTOR_CLONES
     void see(const TriangleQuery& query, const std::array<Vec3, 3>* directions,
              std::vector<TriangleView>& views) const {
         const std::span<const FaceView> face_views = visibility_->views(query.face);
         views.resize(face_views.size());
+        const CornerLanes corners(query.corners), motions(directions != nullptr ? *directions : query.corners);
+        const auto store = [](const Double4& lanes, float(&to)[3]) {
+            for (std::size_t k = 0; k < 3; ++k) to[k] = static_cast<float>(lanes[k]);
+        };
         for (std::size_t i = 0; i < face_views.size(); ++i) {
             const PhotoLevel& image = images_.views[at(face_views[i].view)].levels[at(level_)];
-            Vec3 x[3];
-            Vec2 lowest = Vec2::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
-            for (std::size_t k = 0; k < 3; ++k) {
-                x[k] = image.P * query.corners[k].homogeneous();
-                const Vec2 pixel = x[k].hnormalized();
-                lowest = lowest.cwiseMin(pixel);
-                highest = highest.cwiseMax(pixel);
-            }
+            const Mat34& P = image.P;
+            const Double4 x = P(0, 0) * corners.x + P(0, 1) * corners.y + P(0, 2) * corners.z + P(0, 3);
+            const Double4 y = P(1, 0) * corners.x + P(1, 1) * corners.y + P(1, 2) * corners.z + P(1, 3);
+            const Double4 z = P(2, 0) * corners.x + P(2, 1) * corners.y + P(2, 2) * corners.z + P(2, 3);
+            const Double4 u = x / z, v = y / z;
             TriangleView& view = views[i];
             view.view = face_views[i].view;
             view.whole = face_views[i].whole;
             const auto origin = [](double lowest_px, int size) {
                 return static_cast<std::int32_t>(std::clamp(lowest_px - 0.01, 0.0, size - 1.0));
             };
-            view.x = origin(lowest.x(), image.width);
-            view.y = origin(lowest.y(), image.height);
+            view.x = origin(std::min({u[0], u[1], u[2]}), image.width);
+            view.y = origin(std::min({v[0], v[1], v[2]}), image.height);
             view.width = static_cast<float>(image.width - 1 - view.x);
             view.height = static_cast<float>(image.height - 1 - view.y);
             view.pixels = image.pixel(view.x, view.y);
             view.row = 4 * image.width;
-            prefetch(view, highest);
-            for (std::size_t k = 0; k < 3; ++k) {
-                view.corner_x[k] = static_cast<float>(x[k].x() - view.x * x[k].z());
-                view.corner_y[k] = static_cast<float>(x[k].y() - view.y * x[k].z());
-                view.corner_z[k] = static_cast<float>(x[k].z());
-                if (directions == nullptr) continue;
-                const Vec3 q = image.P.leftCols<3>() * (*directions)[k];
-                view.motion_x[k] = static_cast<float>(q.x() - view.x * q.z());
-                view.motion_y[k] = static_cast<float>(q.y() - view.y * q.z());
-                view.motion_z[k] = static_cast<float>(q.z());
-            }
+            prefetch(view, {std::max({u[0], u[1], u[2]}), std::max({v[0], v[1], v[2]})});
+            store(x - view.x * z, view.corner_x);
+            store(y - view.y * z, view.corner_y);
+            store(z, view.corner_z);
+            if (directions == nullptr) continue;
+            const Double4 dx = P(0, 0) * motions.x + P(0, 1) * motions.y + P(0, 2) * motions.z;
+            const Double4 dy = P(1, 0) * motions.x + P(1, 1) * motions.y + P(1, 2) * motions.z;
+            const Double4 dz = P(2, 0) * motions.x + P(2, 1) * motions.y + P(2, 2) * motions.z;
+            store(dx - view.x * dz, view.motion_x);
+            store(dy - view.y * dz, view.motion_y);
+            store(dz, view.motion_z);
         }
     }
 

@@ -199,6 +199,18 @@ void widen_far_contours(InverseDepthPart& part, float far_part) {
     }
 }
 
+ANYRATE_VECTOR_CLONES
+void take_largest_of_four(Image<float>& depth) {
+    const auto width = static_cast<std::size_t>(depth.width), height = static_cast<std::size_t>(depth.height);
+    const auto larger = [](float a, float b) { return a < b ? b : a; };
+    for (std::size_t y = 0; y + 1 < height; ++y) {
+        float* const row = depth.pixels.data() + y * width;
+        const float* const below = row + width;
+        for (std::size_t x = 0; x + 1 < width; ++x)
+            row[x] = larger(larger(row[x], row[x + 1]), larger(below[x], below[x + 1]));
+    }
+}
+
 InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
                                          std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles) {
     assert(!box.is_empty() && box.x0 >= 0 && box.y0 >= 0 && box.x1 <= width && box.y1 <= height);

@@ -41,6 +41,10 @@ InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int hei
 ///                  visibility.h
 void widen_far_contours(InverseDepthPart& part, float far_part);
 
+/// Each pixel becomes the largest of itself, the one right of it, the one below and the one between these: what hides
+/// most of a point among the four. The last row and column have no such point and stay.
+void take_largest_of_four(Image<float>& depth);
+
 /// The pixels of an image that triangles between some vertices can reach, and one around; empty where that is none.
 PixelBox pixels_around(std::span<const ScreenVertex> vertices, int width, int height);
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "core/double4.h"
 #include "core/reconstruction/sampling.h"
 #include "core/vector_clones.h"
 
@@ -45,7 +46,6 @@ std::span<const SampleLanes> lattice_lanes(int M) {
 
 ANYRATE_VECTOR_CLONES
 void look_at_lanes(const SampleLanes& lanes, std::span<const TriangleView> views, std::span<LanesInView> samples) {
-    using Long4 = std::int64_t __attribute__((vector_size(32)));
     const Float8 b0 = lanes.b[0], b1 = lanes.b[1], b2 = lanes.b[2], zero{};
     for (std::size_t i = 0; i < views.size(); ++i) {
         const TriangleView& view = views[i];

@@ -23,19 +23,26 @@ OneRings::OneRings(const SurfaceView& surface) {
     for (std::size_t f = 0; f < surface.triangles.size(); ++f)
         for (std::int32_t v : surface.triangles[f]) faces_[at(fill[at(v)]++)] = static_cast<std::int32_t>(f);
 
+    // Each face of a vertex names two neighbours, and another face names most of them again.
+    std::vector<std::int32_t> named(2 * faces_.size());
     neighbour_begin_.assign(n + 1, 0);
-    neighbours_.reserve(faces_.size());
-    std::vector<std::int32_t> ring;
-    for (std::size_t v = 0; v < n; ++v) {
-        ring.clear();
-        for (std::int32_t f : faces(static_cast<std::int32_t>(v)))
-            for (std::int32_t w : surface.triangles[at(f)])
-                if (at(w) != v) ring.push_back(w);
-        std::sort(ring.begin(), ring.end());
-        ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-        neighbours_.insert(neighbours_.end(), ring.begin(), ring.end());
-        neighbour_begin_[v + 1] = static_cast<std::int32_t>(neighbours_.size());
-    }
+    parallel_for(
+        n,
+        [&](std::size_t v) {
+            std::int32_t* const first = named.data() + 2 * face_begin_[v];
+            std::int32_t* end = first;
+            for (std::int32_t f : faces(static_cast<std::int32_t>(v)))
+                for (std::int32_t w : surface.triangles[at(f)])
+                    if (at(w) != v) *end++ = w;
+            std::sort(first, end);
+            neighbour_begin_[v + 1] = static_cast<std::int32_t>(std::unique(first, end) - first);
+        },
+        1024);
+    for (std::size_t v = 0; v < n; ++v) neighbour_begin_[v + 1] += neighbour_begin_[v];
+    neighbours_.resize(at(neighbour_begin_[n]));
+    for (std::size_t v = 0; v < n; ++v)
+        std::copy_n(named.data() + 2 * face_begin_[v], neighbour_begin_[v + 1] - neighbour_begin_[v],
+                    neighbours_.data() + neighbour_begin_[v]);
 }
 
 std::vector<Vec3> vertex_normals(const SurfaceView& surface, const OneRings& rings) {

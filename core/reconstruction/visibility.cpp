@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/double4.h"
 #include "core/parallel.h"
 #include "core/reconstruction/pixel_box.h"
 #include "core/vector_clones.h"
@@ -19,10 +20,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// Depth maps need no more than about a thousand pixels a side: the faces are several pixels large.
 constexpr int max_depth_map_side = 1024;
 
-/// Four faces at a time.
-using Double4 = double __attribute__((vector_size(32), aligned(32)));
-using Long4 = std::int64_t __attribute__((vector_size(32), aligned(32)));
-constexpr std::size_t n_wide = 4;
+constexpr std::size_t n_wide = 4;  ///< faces at a time
 
 /// Faces where they stand, coordinate by coordinate; unit normals, zero if a face has no area.
 struct FacePlanes {
@@ -155,6 +153,7 @@ public:
     }
 
     /// Leaves those that it does see.
+    /// @param depth  of which each pixel is the largest of four
     void look(std::span<const Triangle> triangles, std::span<const std::int32_t> faces, const InverseDepthPart& depth,
               std::vector<FaceSight>& sights) const {
         std::erase_if(sights,
@@ -177,10 +176,8 @@ private:
         const Float8 reached = probes.inverse_depth * (1.0F + sight.slope);
         int n_seen = 0;
         for (std::size_t lane = 0; lane < 7; ++lane) {
-            // What hides most of the four pixels around.
-            const float* const top = &depth.pixels(probes.column[lane] - depth.x, probes.row[lane] - depth.y);
-            const float* const bottom = top + depth.pixels.width;
-            n_seen += reached[lane] >= std::max(std::max(top[0], top[1]), std::max(bottom[0], bottom[1])) ? 1 : 0;
+            const float hidden = depth.pixels(probes.column[lane] - depth.x, probes.row[lane] - depth.y);
+            n_seen += reached[lane] >= hidden ? 1 : 0;
         }
         sight.whole = n_seen == 7;
         sight.area_px = area_scale_ * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
@@ -258,6 +255,7 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
                                          : pixels_around(vertices, level.width, level.height);
             views_[i] = {level.width, level.height, render(box, level, vertices, surface.triangles, is_part)};
             widen_far_contours(views_[i].depth, far_part(view, level_, options));
+            take_largest_of_four(views_[i].depth.pixels);
             looker.look(surface.triangles, faces, views_[i].depth, by_view[i]);
         },
         1);
@@ -300,17 +298,9 @@ void Visibility::look_at(std::int32_t face, std::int32_t view, const Float8& x, 
     const Int8 row = __builtin_convertvector(inside ? py : zero, Int8) - seen.depth.y;
     const Int8 is_rendered = (column >= 0) & (row >= 0) & (column < depths.width - 1) & (row < depths.height - 1);
     const Int8 first = (row * depths.width + column) & is_rendered;
-    Float8 top_left, top_right, bottom_left, bottom_right;
-    for (std::size_t lane = 0; lane < n_lanes; ++lane) {
-        const float* const top = depths.pixels.data() + first[lane];
-        top_left[lane] = top[0];
-        top_right[lane] = top[1];
-        bottom_left[lane] = top[depths.width];
-        bottom_right[lane] = top[depths.width + 1];
-    }
-    const Float8 above = top_left < top_right ? top_right : top_left;
-    const Float8 below = bottom_left < bottom_right ? bottom_right : bottom_left;
-    const Float8 nearest = is_rendered ? (above < below ? below : above) : zero;
+    Float8 nearest;
+    for (std::size_t lane = 0; lane < n_lanes; ++lane) nearest[lane] = depths.pixels[at(first[lane])];
+    nearest = is_rendered ? nearest : zero;
     visible = (inside & (inverse_depth * (1.0F + slope_[at(face)]) >= nearest)) ? zero + 1.0F : zero;
 }
 

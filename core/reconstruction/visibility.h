@@ -75,7 +75,8 @@ private:
     /// What a view sees of the surface; there is nothing to see around the part that is rendered.
     struct View {
         int width = 0, height = 0;  ///< of the whole depth map
-        InverseDepthPart depth;     ///< 0 where there is no surface; empty if no face is seen
+        /// Its pixels are the largest of four (inverse_depth.h); 0 where there is no surface; empty if no face is seen.
+        InverseDepthPart depth;
     };
 
     int level_ = 0;    ///< of the pyramid, at which depth is rendered

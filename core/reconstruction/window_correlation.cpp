@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/double4.h"
 #include "core/reconstruction/float8.h"
 #include "core/vector_clones.h"
 
@@ -70,7 +71,6 @@ void WindowCorrelation::correlate(const PatchImage& other, const Parallax& paral
 ANYRATE_VECTOR_CLONES
 void WindowCorrelation::enter_row(const PatchImage& other, const Parallax& parallax, double inverse_depth,
                                   const PixelBox& box, int y) {
-    using Long4 = std::int64_t __attribute__((vector_size(32)));
     const Eigen::Vector3f start =
         (parallax.A * Vec3(box.x0 - radius_, y, 1) + inverse_depth * parallax.b).cast<float>();
     const Eigen::Vector3f step = parallax.A.col(0).cast<float>();
