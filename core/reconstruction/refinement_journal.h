@@ -16,6 +16,7 @@ struct RefinementStart {
     BaseMesh base;                            ///< as the sink's start() was given it
     std::vector<Gains> gains;                 ///< that the colours were divided by, one a view; empty for none
     std::vector<std::vector<Vec2>> shifts;    ///< one a view, pixels of the photographs, for each time views were moved
+    double mask_growth_px = 0;                ///< see Silhouettes::grow_masks()
     std::vector<OrientedPoint> guess_points;  ///< of the GuessedSurface
     double guess_reach = 0;                   ///< of such a point
     Mesh fitted;                              ///< the surface that base and splits approach

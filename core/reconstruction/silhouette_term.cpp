@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/reconstruction/float8.h"
@@ -145,14 +147,14 @@ Image<std::int8_t> silhouette_distance(const MaskImage& mask) {
     return distance;
 }
 
-Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()) {
+Silhouettes::Silhouettes(const Capture& capture) : views_(capture.views.size()), given_(capture.views.size()) {
     parallel_for(
         views_.size(),
         [&](std::size_t i) {
             const auto& view = capture.views[i];
             views_[i].P = view.camera.P();
             views_[i].centre = view.camera.centre();
-            views_[i].distance = std::make_shared<Image<std::int8_t>>(silhouette_distance(view.mask));
+            given_[i] = views_[i].distance = std::make_shared<Image<std::int8_t>>(silhouette_distance(view.mask));
             PhotoLevel& level = views_[i].coverage_level;
             level.width = view.mask.width;
             level.height = view.mask.height;
@@ -179,41 +181,80 @@ void Silhouettes::look(const SurfaceView& surface) {
         [&](std::size_t i) { views_[i].coverage = render_inverse_depth(views_[i].coverage_level, surface); }, 1);
 }
 
-bool Silhouettes::is_covered(const View& view, const Vec2& pixel) {
-    const auto at_level = [&](double x) {
-        return static_cast<int>(std::lround((x + 0.5) * view.coverage_scale - 0.5));
-    };
-    const int x = at_level(pixel.x()), y = at_level(pixel.y());
-    return view.coverage.contains(x, y) && view.coverage(x, y) > 0;
+void Silhouettes::grow_masks(double px) {
+    assert(std::abs(px) <= most_growth_px);
+    growth_px_ = px;
+    const int by = static_cast<int>(std::lround(eighths * px));
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        auto grown = std::make_shared<Image<std::int8_t>>(*given_[i]);
+        for (std::int8_t& d : grown->pixels) d = static_cast<std::int8_t>(std::clamp(d + by, -127, 127));
+        views_[i].distance = std::move(grown);
+    }
 }
 
-template <class IsOnRim>
-SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, double reach_px,
-                                    const IsOnRim& is_on_rim) {
-    SilhouetteTerm term;
+/// A vertex near the border of a view's mask.
+struct Silhouettes::Sight {
+    Vec2 pixel;
+    Vec2 motion;          ///< of the pixel by the displacement along the normal
+    double distance = 0;  ///< to the border, pixels, positive inside
+    double slope = 0;     ///< its change by the displacement
+};
+
+std::optional<Silhouettes::Sight> Silhouettes::sight_of(const View& view, const Vec3& point, const Vec3& normal,
+                                                        double reach_px) {
     const Vec3 x = view.P * point.homogeneous();
-    if (x.z() <= 0) return term;
+    if (x.z() <= 0) return {};
     const double u = x.x() / x.z(), v = x.y() / x.z();
     const Image<std::int8_t>& image = *view.distance;
-    if (!(u >= 0 && v >= 0 && u < image.width - 1 && v < image.height - 1)) return term;
+    if (!(u >= 0 && v >= 0 && u < image.width - 1 && v < image.height - 1)) return {};
     const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
     const double fu = u - x0, fv = v - y0;
     const double a = image(x0, y0), b = image(x0 + 1, y0), c = image(x0, y0 + 1), d = image(x0 + 1, y0 + 1);
     const double distance = ((1 - fv) * (a + fu * (b - a)) + fv * (c + fu * (d - c))) / eighths;
     const double dx = ((1 - fv) * (b - a) + fv * (d - c)) / eighths, dy = ((1 - fu) * (c - a) + fu * (d - b)) / eighths;
-    if (distance > reach_px) return term;  // see find_near_border()
+    if (distance > reach_px) return {};  // see find_near_border()
     const Vec3 q = view.P.leftCols<3>() * normal;
     const Vec2 motion = Vec2(q.x() - u * q.z(), q.y() - v * q.z()) / x.z();
-    if (distance >= 0) {
-        if (motion.isZero(0) || !is_on_rim()) return term;
-        // With surface just beyond it, the contour lies within the object's outline.
-        if (is_covered(view, Vec2(u, v) + beyond_px * motion.normalized())) return term;
-    }
-    const double slope = dx * motion.x() + dy * motion.y();
-    term.energy = distance * distance;
-    term.gradient = 2 * distance * slope;
-    term.hessian = 2 * slope * slope;
-    return term;
+    return Sight{.pixel = {u, v}, .motion = motion, .distance = distance, .slope = dx * motion.x() + dy * motion.y()};
+}
+
+/// Whether nothing of the surface is just beyond a rim vertex. Else the contour lies within the object's outline.
+bool Silhouettes::ends_beyond(const View& view, const Sight& sight) {
+    if (sight.motion.isZero(0)) return false;
+    const Vec2 beyond = sight.pixel + beyond_px * sight.motion.normalized();
+    const auto at_level = [&](double x) {
+        return static_cast<int>(std::lround((x + 0.5) * view.coverage_scale - 0.5));
+    };
+    const int x = at_level(beyond.x()), y = at_level(beyond.y());
+    return !(view.coverage.contains(x, y) && view.coverage(x, y) > 0);
+}
+
+template <class IsOnRim>
+SilhouetteTerm Silhouettes::term_in(const View& view, const Vec3& point, const Vec3& normal, double reach_px,
+                                    const IsOnRim& is_on_rim) {
+    const std::optional<Sight> sight = sight_of(view, point, normal, reach_px);
+    if (!sight || (sight->distance >= 0 && !(is_on_rim() && ends_beyond(view, *sight)))) return {};
+    const auto [distance, slope] = std::pair(sight->distance, sight->slope);
+    return {.energy = distance * distance, .gradient = 2 * distance * slope, .hessian = 2 * slope * slope};
+}
+
+std::vector<double> Silhouettes::contour_distances(const SurfaceView& surface, const OneRings& rings,
+                                                   std::span<const Vec3> normals, double reach_px) const {
+    std::vector<std::vector<double>> by_view(views_.size());
+    parallel_for(
+        views_.size(),
+        [&](std::size_t i) {
+            const View& view = views_[i];
+            for (std::int32_t v = 0; v < surface.n_vertices(); ++v) {
+                const auto sight = sight_of(view, surface.vertices[at(v)], normals[at(v)], reach_px);
+                if (sight && is_on_rim(surface, rings.faces(v), view.centre) && ends_beyond(view, *sight))
+                    by_view[i].push_back(sight->distance);
+            }
+        },
+        1);
+    std::vector<double> all;
+    for (const auto& distances : by_view) all.insert(all.end(), distances.begin(), distances.end());
+    return all;
 }
 
 std::vector<SilhouetteTerm> Silhouettes::terms(const SurfaceView& surface, const OneRings& rings,

@@ -9,7 +9,7 @@
 namespace anyrate {
 namespace {
 
-constexpr std::uint32_t checkpoint_magic = 0x31504B43;  // "CKP1"
+constexpr std::uint32_t checkpoint_magic = 0x32504B43;  // "CKP2"
 constexpr std::uint32_t mark_magic = 0x314B524D;        // "MRK1"
 
 template <class T, class Put>
@@ -143,6 +143,7 @@ std::vector<std::byte> encode_checkpoint(const Checkpoint& checkpoint) {
         for (const double gain : gains) out.put(gain);
     });
     put_all(out, start.shifts, [&](const std::vector<Vec2>& shifts) { put(out, shifts); });
+    out.put(start.mask_growth_px);
     put_all(out, start.guess_points, [&](const OrientedPoint& point) {
         put(out, point.position);
         put(out, point.normal);
@@ -168,6 +169,7 @@ Checkpoint decode_checkpoint(std::span<const std::byte> bytes) {
         return gains;
     });
     start.shifts = take_all(in, 4, [&] { return take_shifts(in); });
+    start.mask_growth_px = in.take<double>();
     start.guess_points = take_all(in, 56, [&] {
         OrientedPoint point;
         point.position = take_vec3(in);

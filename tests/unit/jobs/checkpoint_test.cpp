@@ -15,6 +15,7 @@ Checkpoint sample() {
     start.base = {.positions = {{1, 2, 3}, {-4, 5, 6}, {7, 8, 9}}, .triangles = {{0, 1, 2}, {2, 1, 0}}};
     start.gains = {{1.1, 0.9, 1.0 / 3}};
     start.shifts = {{Vec2(0.1, 0.2)}, {Vec2(-0.3, 1e-17)}};
+    start.mask_growth_px = -1.0 / 3;
     start.guess_points = {{Vec3(1, 2, 3), Vec3(0, 0, 1), 0.25}};
     start.guess_reach = 0.125;
     start.fitted.vertices = {Vec3(1.0 / 3, 2, 3), Vec3(4, 5, 6), Vec3(7, 8, 1e300)};
@@ -35,6 +36,7 @@ TEST_CASE("Checkpoint: comes back bit for bit") {
     CHECK(back.start.base.triangles == expected.base.triangles);
     CHECK(back.start.gains == expected.gains);
     CHECK(back.start.shifts == expected.shifts);
+    CHECK(back.start.mask_growth_px == expected.mask_growth_px);
     CHECK(back.start.guess_points.at(0).normal == expected.guess_points[0].normal);
     CHECK(back.start.guess_reach == expected.guess_reach);
     CHECK(back.start.fitted.vertices == expected.fitted.vertices);

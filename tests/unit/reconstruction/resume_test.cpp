@@ -66,13 +66,19 @@ private:
     const Recorder& recorder_;
 };
 
-/// A painted sphere of whose views one is darker and one is a pixel off, so that exposure and views are corrected.
+/// A painted sphere of whose views one is darker and one is a pixel off, and whose masks are two pixels too small, so
+/// that exposure, views and masks are corrected.
 const Capture& uneven_capture() {
     static const Capture capture = [] {
         Capture sphere = painted_sphere(10, 128, wavy_paint);
         const auto darker = [](std::uint8_t c) { return static_cast<std::uint8_t>(0.8 * c); };
         for (Rgb8& c : sphere.views[2].image.pixels) c = {darker(c.r), darker(c.g), darker(c.b)};
         sphere.views[5].camera.K(0, 2) += 1.0;
+        for (View& view : sphere.views) {
+            const Image<std::int8_t> distance = silhouette_distance(view.mask);
+            for (std::size_t p = 0; p < distance.pixels.size(); ++p)
+                view.mask.pixels[p] = distance.pixels[p] > 8 * 2 ? 255 : 0;
+        }
         return sphere;
     }();
     return capture;
@@ -135,6 +141,7 @@ TEST_CASE("Resume: from every batch on, with any number of threads, the sink get
     const Undisturbed& whole = undisturbed();
     REQUIRE(!whole.journal.start.gains.empty());
     REQUIRE(!whole.journal.start.shifts.empty());
+    REQUIRE(whole.journal.start.mask_growth_px > 1);
     REQUIRE(whole.journal.points.size() > 3);
     const bool has_rejected = std::ranges::any_of(whole.journal.points, [](const RefinementPoint& point) {
         return std::ranges::count(point.is_rejected, 1) > 0;
