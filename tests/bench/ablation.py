@@ -233,6 +233,14 @@ TECHNIQUES = [
         ["--pose-noise", 0.5],
     ),
     Technique(
+        "aligned_masks",
+        "masks grow to where the surface has its contours; here two pixels too small",
+        CORE + "reconstruct.cpp",
+        "constexpr double least_growth_px = 0.5;",
+        "constexpr double least_growth_px = 1e9;",
+        ["--grow-masks", -2],
+    ),
+    Technique(
         "even_exposure",
         "views' gains are evened out; here 20 % apart",
         CORE + "exposure.cpp",
