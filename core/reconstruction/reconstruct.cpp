@@ -104,13 +104,9 @@ Start make_start(Capture capture, const RemeshOptions& remesh, const CaptureFram
     give_back_freed_memory();
     tell({Stage::remesh, 0, 0, 0});
     Mesh mesh;
-    std::vector<Gains> gains;
     std::optional<Silhouettes> silhouettes;
-    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, remesh); },
-                    [&] {
-                        gains = even_out_exposure(images, initial.mesh);
-                        silhouettes.emplace(capture);
-                    });
+    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, remesh); }, [&] { silhouettes.emplace(capture); });
+    std::vector<Gains> gains = even_out_exposure(images, mesh);
     return {std::move(images), std::move(*silhouettes), std::move(initial.guessed),
             std::move(mesh),   std::move(gains),        {}};
 }
