@@ -185,7 +185,7 @@ TECHNIQUES = [
         "least_curvature",
         "bending is weighed against no less than noise; here a tenth of the texture",
         CORE + "optimise_surface.cpp",
-        "constexpr double noise_curvature = 50;",
+        "constexpr double noise_curvature = 75;",
         "constexpr double noise_curvature = 0;",
         ["--texture", 0.1],
     ),
