@@ -47,7 +47,7 @@ constexpr double approached_part = 8;   ///< coarse counts of vertices up to whi
 constexpr int samples_per_vertex = 10;  ///< of that surface, which stand for it when the base is fitted
 constexpr int fewest_even = 1000;       ///< vertices of that mesh: fewer may not carry the surface
 constexpr double least_shift_px = 0.1;  ///< of the views, root mean square: good cameras measure less than 0.09
-constexpr double least_growth_px = 0.5;   ///< of the masks: good ones measure less than 0.15
+constexpr double least_growth_px = 0.5;   ///< of the masks: good ones measure less than 0.25
 constexpr double contour_reach_px = 8.0;  ///< while contours are still on their way
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
@@ -381,8 +381,10 @@ ReconstructResult resume(Capture capture, const ReconstructOptions& options, con
     };
     if (!start.gains.empty()) require_one_a_view("gains", start.gains.size());
     for (const auto& shifts : start.shifts) require_one_a_view("shifts", shifts.size());
+    static_assert(Silhouettes::most_growth_px == 4);
     if (!(std::abs(start.mask_growth_px) <= Silhouettes::most_growth_px))
-        throw InputError("resume: expected masks to grow by less, got " + std::to_string(start.mask_growth_px) + " px");
+        throw InputError("resume: expected masks to grow by 4 px at most, got " + std::to_string(start.mask_growth_px) +
+                         " px");
 
     tell({Stage::refine, 0, 0, 0});
     const CaptureFrame frame = to_own_frame(capture);

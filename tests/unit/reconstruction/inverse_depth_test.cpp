@@ -97,13 +97,22 @@ TEST_CASE("Inverse depth: a part of the image is what the whole image has there,
             if (x < around.x0 || y < around.y0 || x >= around.x1 || y >= around.y1) CHECK(whole(x, y) == 0);
 }
 
-TEST_CASE("Inverse depth: a widened contour hides what lies clearly behind it, one pixel around, and nothing else") {
-    InverseDepthPart part{0, 0, Image<float>(19, 7, 0.0F)};
+namespace {
+
+Image<float> noise() {
+    Image<float> image(19, 7, 0.0F);
     unsigned random = 1;
-    for (float& inverse_depth : part.pixels.pixels) {
+    for (float& inverse_depth : image.pixels) {
         random = random * 1664525u + 1013904223u;
         inverse_depth = static_cast<float>(random >> 24) / 256;
     }
+    return image;
+}
+
+}  // namespace
+
+TEST_CASE("Inverse depth: a widened contour hides what lies clearly behind it, one pixel around, and nothing else") {
+    InverseDepthPart part{0, 0, noise()};
     const Image<float> before = part.pixels;
     constexpr float far_part = 0.75F;
     widen_far_contours(part, far_part);
@@ -126,4 +135,21 @@ TEST_CASE("Inverse depth: contours of a picture one pixel wide or of none can be
     InverseDepthPart nothing;
     widen_far_contours(nothing, 0.5F);
     CHECK(nothing.pixels.pixels.empty());
+}
+
+TEST_CASE("Inverse depth: each pixel becomes the largest of four, but for the last row and column") {
+    const Image<float> before = noise();
+    Image<float> after = before;
+    take_largest_of_four(after);
+    for (int y = 0; y < before.height; ++y)
+        for (int x = 0; x < before.width; ++x) {
+            const bool is_last = x + 1 == before.width || y + 1 == before.height;
+            const float expected =
+                is_last ? before(x, y)
+                        : std::max({before(x, y), before(x + 1, y), before(x, y + 1), before(x + 1, y + 1)});
+            CHECK(after(x, y) == expected);
+        }
+    Image<float> nothing;
+    take_largest_of_four(nothing);
+    CHECK(nothing.pixels.empty());
 }

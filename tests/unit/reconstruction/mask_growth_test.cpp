@@ -8,6 +8,7 @@
 #include "core/reconstruction/reconstruct.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
+#include "move_masks.h"
 
 using namespace anyrate;
 
@@ -20,11 +21,7 @@ Capture sphere() { return painted_sphere(12, 160, wavy_paint); }
 /// With masks whose borders are moved outwards.
 Capture with_grown_masks(double px) {
     Capture capture = sphere();
-    for (View& view : capture.views) {
-        const Image<std::int8_t> distance = silhouette_distance(view.mask);
-        for (std::size_t p = 0; p < distance.pixels.size(); ++p)
-            view.mask.pixels[p] = distance.pixels[p] > -8 * px ? 255 : 0;
-    }
+    move_masks(capture, px);
     return capture;
 }
 
@@ -51,7 +48,7 @@ public:
     std::optional<RefinableMesh> state;
 };
 
-/// Of a reconstruction.
+/// Of a reconstruction's vertices around the origin, world units.
 double mean_radius(const Capture& capture) {
     LastState sink;
     reconstruct(capture, {.n_vertices = 600, .n_coarse = 100}, sink, {}, {}, nullptr);

@@ -10,6 +10,7 @@
 #include "core/reconstruction/reconstruct.h"
 #include "core/reconstruction/refine.h"
 #include "eq_test_scenes.h"
+#include "move_masks.h"
 
 using namespace anyrate;
 
@@ -74,11 +75,7 @@ const Capture& uneven_capture() {
         const auto darker = [](std::uint8_t c) { return static_cast<std::uint8_t>(0.8 * c); };
         for (Rgb8& c : sphere.views[2].image.pixels) c = {darker(c.r), darker(c.g), darker(c.b)};
         sphere.views[5].camera.K(0, 2) += 1.0;
-        for (View& view : sphere.views) {
-            const Image<std::int8_t> distance = silhouette_distance(view.mask);
-            for (std::size_t p = 0; p < distance.pixels.size(); ++p)
-                view.mask.pixels[p] = distance.pixels[p] > 8 * 2 ? 255 : 0;
-        }
+        move_masks(sphere, -2);
         return sphere;
     }();
     return capture;
