@@ -36,7 +36,7 @@ TEST_CASE("move_world: a moved point is seen where it was, in every view") {
     }
 }
 
-TEST_CASE("look_through: the whole image at its own size is the image") {
+TEST_CASE("look_through: the whole image at its own size has the same camera and mask") {
     const View view = sphere_capture(3, 64).views[0];
     const bench::Window whole{-0.5, -0.5, double(view.image.width), double(view.image.height)};
     const View same = bench::look_through(view, whole, view.image.width, view.image.height);
@@ -128,6 +128,28 @@ TEST_CASE("keep_every, crop, resample: views and sizes are those asked for") {
     CHECK(capture.views[0].image.width == 30);
     CHECK(capture.views[1].mask.height == 30);
     CHECK(capture.views[1].camera.width == 40);
+}
+
+TEST_CASE("crop: a point of the world has the same colour and mask as before, wherever it is still in the image") {
+    const Capture whole = sphere_capture(4, 120);
+    Capture capture = whole;
+    bench::crop(capture, 0.7, 5);
+    for (std::size_t i = 0; i < whole.views.size(); ++i) {
+        const View &before = whole.views[i], &part = capture.views[i];
+        const Mat3 moved = before.camera.K * part.camera.K.inverse();
+        CHECK((part.camera.R - before.camera.R).norm() == 0);
+        int n_different = 0;
+        for (int y = 0; y < part.image.height; ++y)
+            for (int x = 0; x < part.image.width; ++x) {
+                const Vec2 there = (moved * Vec3(x, y, 1)).hnormalized();
+                const int u = static_cast<int>(std::lround(there.x())), v = static_cast<int>(std::lround(there.y()));
+                REQUIRE((there - Vec2(u, v)).norm() < 1e-6);
+                const Rgb8 &now = part.image(x, y), &was = before.image(u, v);
+                n_different +=
+                    now.r != was.r || now.g != was.g || now.b != was.b || part.mask(x, y) != before.mask(u, v);
+            }
+        CHECK(n_different == 0);
+    }
 }
 
 TEST_CASE("fade_texture: neighbouring pixels of a sphere differ by the part that is kept, and by noise") {

@@ -21,6 +21,15 @@ std::uint8_t multiply(std::uint8_t level, double gain) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(gain * level), 0L, 255L));
 }
 
+/// The pixels of a window themselves: nothing is averaged, so the noise and the sharpness stay what they are.
+template <typename Image>
+Image cut_out(const Image& image, int left, int top, int width, int height) {
+    Image part(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) part(x, y) = image(left + x, top + y);
+    return part;
+}
+
 /// Whether a pixel of the value `wanted` lies within the radius.
 bool is_near(const MaskImage& mask, int x, int y, int radius, bool wanted) {
     for (int j = -radius; j <= radius; ++j)
@@ -102,9 +111,11 @@ void crop(Capture& capture, double part, std::uint64_t seed) {
     for (View& view : capture.views) {
         const int width = static_cast<int>(std::lround(part * view.image.width));
         const int height = static_cast<int>(std::lround(part * view.image.height));
-        const double x = std::floor(uniform(random) * (view.image.width - width + 1));
-        const double y = std::floor(uniform(random) * (view.image.height - height + 1));
-        view = look_through(view, {x - 0.5, y - 0.5, double(width), double(height)}, width, height);
+        const int left = static_cast<int>(uniform(random) * (view.image.width - width + 1));
+        const int top = static_cast<int>(uniform(random) * (view.image.height - height + 1));
+        view.camera = look_through(view.camera, {left - 0.5, top - 0.5, double(width), double(height)}, width, height);
+        view.image = cut_out(view.image, left, top, width, height);
+        view.mask = cut_out(view.mask, left, top, width, height);
     }
 }
 

@@ -27,7 +27,7 @@ void disturb_poses(Capture& capture, double distance_px, std::uint64_t seed);
 /// Keeps the views 0, n, 2 n, ...
 void keep_every(Capture& capture, int n);
 
-/// Every view is cut to a window of `part` of its width and height, at a random place.
+/// Every view is cut to a window of `part` of its width and height, at a random place; the pixels stay as they are.
 void crop(Capture& capture, double part, std::uint64_t seed);
 
 /// The photographs as if the surface's texture were faded to a part of its contrast: blended with those of plain clay
