@@ -34,6 +34,20 @@ void find_credible() {
     meet();
 }
 
+// ring_means() of optimise_surface.cpp, of the umbrellas.
+double mean_umbrella(int i) {
+    const int first = row_begin(i), last = row_begin(i + 1);
+    double sum = field(UMBRELLA, i);
+    int n = 1;
+    for (int e = first; e < last; ++e) {
+        const int j = active_neighbour(e);
+        if (j < 0) continue;
+        sum += field(UMBRELLA, j);
+        ++n;
+    }
+    return sum / double(n);
+}
+
 // What silhouettes and smoothness weigh against phi in this round.
 void weigh(double psi) {
     const double noise = psi / noisy_psi;
@@ -62,7 +76,7 @@ void weigh(double psi) {
     if (worker == 0) bending = (bending_part + noisy_bending * noise) * max(mean, least);
     for (int i = worker; i < n_active; i += WORKERS) {
         const double curvature = field(REST, i);
-        set_field(REST, i, field(UMBRELLA, i) * (1 - curvature / (curvature + weak_evidence * mean)));
+        set_field(REST, i, mean_umbrella(i) * (1 - curvature / (curvature + weak_evidence * mean)));
     }
     meet();
 }

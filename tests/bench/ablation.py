@@ -197,6 +197,13 @@ TECHNIQUES = [
         "bending_ = 0 * (options_.bending + noisy_bending * noise) *",
     ),
     Technique(
+        "ring_shape",
+        "what the images say nothing of keeps its ring's shape, not its own",
+        CORE + "optimise_surface.cpp",
+        "means[i] = sum / n;",
+        "means[i] = n > 0 ? values[i] : sum;",
+    ),
+    Technique(
         "half_resolution_depth",
         "a pixel of depth hides what is mixed along contours",
         CORE + "visibility.h",

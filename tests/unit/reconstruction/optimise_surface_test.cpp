@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/simulation/parametric_meshes.h"
@@ -74,6 +75,31 @@ TEST_CASE("Optimise: on images without texture the silhouettes carry the surface
     scene.optimise(mesh);
     CHECK(mean_error(mesh) < before);
     for (const Vec3& v : mesh.vertices) CHECK(v.norm() == doctest::Approx(1.0).epsilon(0.05));
+}
+
+TEST_CASE("Optimise: what no image shows keeps its ring's shape: a dent goes, the sphere stays round") {
+    Scene scene;
+    scene.capture.views.resize(2);
+    scene.images = make_photo_images(scene.capture, 3);
+    scene.silhouettes = Silhouettes(scene.capture);
+    Vec3 towards = Vec3::Zero();
+    for (const View& view : scene.capture.views) towards += view.camera.centre().normalized();
+    Mesh mesh = icosphere(3);
+    const auto cosine = [&](const Vec3& v) { return v.normalized().dot(towards.normalized()); };
+    const auto dented =
+        static_cast<std::size_t>(std::ranges::min_element(mesh.vertices, {}, cosine) - mesh.vertices.begin());
+    mesh.vertices[dented] *= 0.95;
+    scene.optimise(mesh);
+    CHECK(mesh.vertices[dented].norm() > 0.98);
+    double sum = 0;
+    int n = 0;
+    for (const Vec3& v : mesh.vertices)
+        if (cosine(v) < -0.5) {
+            sum += v.norm();
+            ++n;
+        }
+    REQUIRE(n > 100);
+    CHECK(sum / n == doctest::Approx(1).epsilon(0.012));
 }
 
 TEST_CASE("Optimise: one and two threads give the same bytes") {
