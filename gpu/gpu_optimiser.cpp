@@ -18,13 +18,13 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 // As shaders/round.glsl has them.
 struct DeviceControl {
     double damping = 0, energy = 0, bending = 0, first_samples = 0, credible = 0;
-    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, outlier, weak_evidence;
+    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, noise_psi, outlier, weak_evidence;
     double converged, least_curvature;
     double more_damping, less_damping, least_damping, reach_px, beyond_px;
     std::int32_t n_taken = 0, n_refused = 0, falls = 0;
     std::int32_t n_steps, most_trials, n_trial_gates = 0, n_gates = 0, unused = 0;
 };
-static_assert(sizeof(DeviceControl) == 200);
+static_assert(sizeof(DeviceControl) == 192);
 struct DeviceGate {
     std::uint32_t n_groups = 0, is_open = 0, one = 1;
 };
@@ -63,7 +63,6 @@ DeviceControl control_of(const OptimiseRound& round, std::span<const double> pix
             .noisy_bending = rules.noisy_bending,
             .noisy_psi = rules.noisy_psi,
             .clean_psi = rules.clean_psi,
-            .faint_psi = rules.faint_psi,
             .noise_psi = rules.noise_psi,
             .outlier = rules.outlier,
             .weak_evidence = rules.weak_evidence,

@@ -31,7 +31,6 @@ struct RoundRules {
     double least_damping;   ///< and never falls below this
     double max_step_edges;  ///< longest step, mean edges around the vertex
     double clean_psi;       ///< squared colour units
-    double faint_psi;       ///< squared colour units
     double noise_psi;       ///< squared colour units
     double outlier;         ///< usual distortions, see credible_distortion()
     double noisy_psi;       ///< squared colour units

@@ -18,8 +18,7 @@ constexpr double first_damping = 0.1;   ///< 0.01 overshoots into pits that no s
 constexpr int most_trials = 4;          ///< of a step, each damped eight times more than the one before
 constexpr double max_step_edges = 0.3;  ///< of the mean edge around the vertex: Nghiem et al.'s bound after Eq. 4
 constexpr double clean_psi = 20;        ///< squared colour units: of a good surface in good images
-constexpr double faint_psi = 1.5;       ///< below it they show hardly more than their noise; see contour_price()
-constexpr double noise_psi = 2;         ///< of that noise: 8-bit images of a good sensor have no less
+constexpr double noise_psi = 2;         ///< of images that show nothing but noise: a good sensor in 8 bits has no less
 constexpr double outlier = 30;          ///< usual distortions, see robust_terms.h; 100: nefertiti's ear ends worse
 constexpr double noise_curvature = 75;  ///< of phi along a normal, a sample: squared colour units per squared pixel
 constexpr double noisy_psi = 600;       ///< where smoothness counts twice and silhouettes thrice
@@ -31,7 +30,7 @@ constexpr double more_damping = 8, less_damping = 4, least_damping = 1e-4;
 /// What a squared pixel of contour costs, squared colour units: about what a sample of phi does. On poor texture that
 /// is little, and with the price of good images contours, noisy by half a pixel, would rule all surface near them.
 double contour_price(double psi) {
-    return std::max(psi, std::min(clean_psi, std::max(noise_psi, psi * psi / faint_psi)));
+    return std::max(psi, std::min(clean_psi, std::max(noise_psi, psi * psi / noise_psi)));
 }
 
 /// The mean of an active vertex's value and those of its active neighbours.
@@ -225,7 +224,6 @@ RoundRules round_rules() {
             .least_damping = least_damping,
             .max_step_edges = max_step_edges,
             .clean_psi = clean_psi,
-            .faint_psi = faint_psi,
             .noise_psi = noise_psi,
             .outlier = outlier,
             .noisy_psi = noisy_psi,

@@ -51,7 +51,7 @@ double mean_umbrella(int i) {
 // What silhouettes and smoothness weigh against phi in this round.
 void weigh(double psi) {
     const double noise = psi / noisy_psi;
-    const double price = max(psi, min(clean_psi, max(noise_psi, psi * psi / faint_psi)));
+    const double price = max(psi, min(clean_psi, max(noise_psi, psi * psi / noise_psi)));
     const double contour = silhouette * (1 + 2 * noise) * (first_samples > 0 ? price : clean_psi);
     double sum = 0, n_with_evidence = 0;
     for (int i = worker; i < n_active; i += WORKERS) {

@@ -34,7 +34,7 @@ layout(std430, binding = 5) MAYBE_COHERENT buffer Control {
     double first_samples;  // at the start of the round
     double credible;       // distortion of a sample, see robust_terms.h; 0: there are no samples
     // OptimiseOptions and RoundRules:
-    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, faint_psi, noise_psi, outlier, weak_evidence;
+    double silhouette, bending_part, noisy_bending, noisy_psi, clean_psi, noise_psi, outlier, weak_evidence;
     double converged;
     double least_curvature;  // that noise alone makes, a sample
     double more_damping, less_damping, least_damping, reach_px, beyond_px;

@@ -177,8 +177,8 @@ TECHNIQUES = [
         "contour_price",
         "contours cost less where images show hardly more than their noise; here a tenth of the texture",
         CORE + "optimise_surface.cpp",
-        "constexpr double faint_psi = 1.5;",
-        "constexpr double faint_psi = 1e-9;",
+        "return std::max(psi, std::min(clean_psi, std::max(noise_psi, psi * psi / noise_psi)));",
+        "return std::max(psi, clean_psi);",
         ["--texture", 0.1],
     ),
     Technique(
