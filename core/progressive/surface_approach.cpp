@@ -28,13 +28,14 @@ double squared_distance(const MeasuredMesh& now) {
     return sum;
 }
 
-std::vector<double> distance_scores(const MeasuredMesh& now) {
+std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
     std::vector<double> scores(now.faces.size());
     for (std::size_t f = 0; f < scores.size(); ++f) {
         const auto& [a, b, c] = now.mesh.triangles[f];
         const auto& v = now.mesh.vertices;
         const double area = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
-        if (now.faces[f].area > 0) scores[f] = area * std::sqrt(now.faces[f].squared / now.faces[f].area);
+        const FaceDistance& face = now.faces[f];
+        if (face.area > 0) scores[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
     }
     return scores;
 }

@@ -40,6 +40,19 @@ TEST_CASE("Approach: concentric spheres are apart by the difference of their rad
     CHECK(gain_of_a_bit(now) * now.mesh.n_vertices() * 13 == doctest::Approx(2 * squared_distance(now)));
 }
 
+TEST_CASE(
+    "Approach: distances well above the surface's own noise count as they are, those within it by their squares") {
+    const auto promised = [](double radius, double noise) {
+        SurfaceMeter meter(unit_sphere());
+        double sum = 0;
+        for (const double score : distance_scores(measure(sphere_on_grid(4, radius), meter), noise)) sum += score;
+        return sum / (4 * std::numbers::pi * radius * radius);
+    };
+    CHECK(promised(0.9, 0.001) == doctest::Approx(0.1).epsilon(0.04));
+    CHECK(promised(0.95, 1.0) == doctest::Approx(0.05 * 0.05 / 2).epsilon(0.08));
+    CHECK(promised(0.9, 1.0) / promised(0.95, 1.0) == doctest::Approx(4).epsilon(0.08));
+}
+
 TEST_CASE("Approach: a face that bulges promises most") {
     Mesh mesh = icosphere(3);
     for (const std::int32_t v : mesh.triangles[100]) mesh.vertices[at(v)] *= 1.1;
