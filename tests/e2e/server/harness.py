@@ -24,7 +24,7 @@ from openapi_check import Document
 
 ANYRATE = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else None
 # Seconds until a wait counts as failed; far above what is needed, but for a machine that stands still for minutes.
-PATIENCE = float(os.environ.get("ANYRATE_TEST_PATIENCE", 120))
+PATIENCE = float(os.environ.get("ANYRATE_TEST_PATIENCE", 300))
 
 
 def run(*arguments, check=True):
