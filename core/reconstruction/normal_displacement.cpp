@@ -44,6 +44,23 @@ std::vector<double> umbrellas(const SurfaceView& surface, const OneRings& rings,
     return along;
 }
 
+std::vector<double> ring_means(std::span<const double> values, const OneRings& rings,
+                               std::span<const std::int32_t> vertices, std::size_t n_vertices) {
+    const std::vector<std::int32_t> place = inverse_of(vertices, n_vertices);
+    std::vector<double> means(vertices.size());
+    parallel_for(vertices.size(), [&](std::size_t i) {
+        double sum = values[i];
+        int n = 1;
+        for (const std::int32_t w : rings.neighbours(vertices[i]))
+            if (const std::int32_t k = place[at(w)]; k >= 0) {
+                sum += values[at(k)];
+                ++n;
+            }
+        means[i] = sum / n;
+    });
+    return means;
+}
+
 NormalDisplacement::NormalDisplacement(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                                        std::span<const std::int32_t> active, std::span<const std::int32_t> faces,
                                        std::span<const TriangleTerms> terms,

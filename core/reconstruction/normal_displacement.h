@@ -63,4 +63,12 @@ private:
 std::vector<double> umbrellas(const SurfaceView& surface, const OneRings& rings, std::span<const Vec3> normals,
                               std::span<const std::int32_t> vertices);
 
+/// The mean of a vertex's value and those of its neighbours that are listed, too.
+/// @param values      one per listed vertex, any unit
+/// @param vertices    ascending
+/// @param n_vertices  of the surface
+/// @return one per listed vertex
+std::vector<double> ring_means(std::span<const double> values, const OneRings& rings,
+                               std::span<const std::int32_t> vertices, std::size_t n_vertices);
+
 }  // namespace anyrate

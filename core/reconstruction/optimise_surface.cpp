@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/parallel.h"
 #include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/robust_terms.h"
 #include "core/reconstruction/tangential.h"
@@ -31,27 +30,6 @@ constexpr double more_damping = 8, less_damping = 4, least_damping = 1e-4;
 /// is little, and with the price of good images contours, noisy by half a pixel, would rule all surface near them.
 double contour_price(double psi) {
     return std::max(psi, std::min(clean_psi, std::max(noise_psi, psi * psi / noise_psi)));
-}
-
-/// The mean of an active vertex's value and those of its active neighbours.
-/// @param values  n_active, as the result
-std::vector<double> ring_means(const std::vector<double>& values, const OneRings& rings,
-                               std::span<const std::int32_t> active, std::size_t n_vertices) {
-    constexpr std::int32_t none = -1;
-    std::vector<std::int32_t> slots(n_vertices, none);
-    for (std::size_t i = 0; i < active.size(); ++i) slots[at(active[i])] = static_cast<std::int32_t>(i);
-    std::vector<double> means(active.size());
-    parallel_for(active.size(), [&](std::size_t i) {
-        double sum = values[i];
-        int n = 1;
-        for (const std::int32_t w : rings.neighbours(active[i]))
-            if (const std::int32_t slot = slots[at(w)]; slot != none) {
-                sum += values[at(slot)];
-                ++n;
-            }
-        means[i] = sum / n;
-    });
-    return means;
 }
 
 /// What the vertices, their one-rings and the batch of faces are while one round lasts.
@@ -136,11 +114,12 @@ private:
     /// What the round's regularising terms weigh against phi. Where the images disagree even on the best surface (light
     /// that does not turn with the object, highlights, noise), phi is a worse witness: silhouettes and smoothness count
     /// for more. A vertex that the images say much of bends towards flat; one they say nothing of keeps the shape it
-    /// has: a prior that pulled there would inflate what no view sees. Its shape is its ring's, not its own: with their
+    /// has: a prior that pulled there would inflate what no view sees. Its shape is its ring's, not its own: with its
     /// own, pits of the start stay where two views look (cropped photographs of nefertiti: 0.0248 % of the diagonal off
-    /// with that, 0.0186 % with the ring's; bowl 3 %, others no difference). Where the texture is poor the curvature of
-    /// phi is as small as its noise makes it: bending is weighed against no less. With a tenth of its contrast
-    /// nefertiti is 0.026 % of the diagonal off with this and contour_price(), 0.069 % without; with all of it 0.017 %.
+    /// with its own, 0.0186 % with the ring's; bowl 3 % better, others no difference). Where the texture is poor the
+    /// curvature of phi is as small as its noise makes it: bending is weighed against no less. With a tenth of its
+    /// contrast nefertiti is 0.023 % of the diagonal off with this and contour_price(), 0.069 % without; with all of it
+    /// 0.017 %.
     void weigh() {
         double phi = 0;
         for (const TriangleTerms& t : terms_) {

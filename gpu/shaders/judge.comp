@@ -34,7 +34,7 @@ void find_credible() {
     meet();
 }
 
-// ring_means() of optimise_surface.cpp, of the umbrellas.
+// ring_means() of normal_displacement.h, of the umbrellas.
 double mean_umbrella(int i) {
     const int first = row_begin(i), last = row_begin(i + 1);
     double sum = field(UMBRELLA, i);

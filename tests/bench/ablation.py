@@ -199,7 +199,7 @@ TECHNIQUES = [
     Technique(
         "ring_shape",
         "what the images say nothing of keeps its ring's shape, not its own",
-        CORE + "optimise_surface.cpp",
+        CORE + "normal_displacement.cpp",
         "means[i] = sum / n;",
         "means[i] = n > 0 ? values[i] : sum;",
     ),
