@@ -198,10 +198,11 @@ TECHNIQUES = [
     ),
     Technique(
         "ring_shape",
-        "what the images say nothing of keeps its ring's shape, not its own",
+        "what the images say little of keeps its ring's shape, not its own; here photographs cropped to 70 %",
         CORE + "normal_displacement.cpp",
         "means[i] = sum / n;",
         "means[i] = n > 0 ? values[i] : sum;",
+        ["--crop", 0.7],
     ),
     Technique(
         "half_resolution_depth",
