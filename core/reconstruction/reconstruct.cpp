@@ -31,17 +31,12 @@
 namespace anyrate {
 namespace {
 
-constexpr int coarsest_level = 3;       ///< of the pyramid, where the coarse mesh starts to move
-constexpr double even_density = 1.6;    ///< coarse counts of vertices in the even mesh, before it is subdivided
-constexpr double even_detail = 0.1;     ///< see RemeshOptions; 0: coarse levels lose thin parts, pot 5 % worse
-constexpr double first_part = 0.2;      ///< of the subdivided mesh's vertices, from which it is refined anew
-constexpr double fine_part = 1.0;       ///< of the same, until which; 0.85: pot 3 % faster and at 10,000 7 % worse
-constexpr double fine_over_log = 1.2;   ///< or vertices of the log that approaches it, if that is more
-constexpr double fine_growth = 0.35;    ///< see RefineOptions; with 0.25 the pot is 2 % better, after two batches more
-constexpr int fine_steps = 320;         ///< an edge, of the fine surface, which nobody has to transmit
-constexpr double fine_zone = 0.0025;    ///< edges, its dead zone, see RefineOptions; 0: pot 5 % worse, 0.01: bowl 2 %
-constexpr double fine_bending = 0.02;   ///< see OptimiseOptions, when it moves as one; 0.08: pot 5 % worse
-constexpr int log_steps = 160;          ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
+constexpr int coarsest_level = 3;        ///< of the pyramid, where the coarse mesh starts to move
+constexpr double even_density = 1.6;     ///< coarse counts of vertices in the even mesh, before it is subdivided
+constexpr double even_detail = 0.1;      ///< see RemeshOptions; 0: coarse levels lose thin parts, pot 5 % worse
+constexpr double simplified_part = 0.3;  ///< of the fine surface's vertices, before it is subdivided; 0.2: 1 % worse
+constexpr double fine_over_log = 1.2;    ///< vertices of the log that approaches it, if the even mesh has fewer
+constexpr int log_steps = 160;           ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
 constexpr int noisy_log_steps = 80;     ///< where images disagree too much to be followed: finer steps send their noise
 constexpr double approached_part = 8;   ///< coarse counts of vertices up to which the log approaches that surface
 constexpr int samples_per_vertex = 10;  ///< of that surface, which stand for it when the base is fitted
@@ -178,64 +173,28 @@ void optimise_coarse_to_fine(PhotoBackend& backend, Start& start, const Progress
     }
 }
 
-/// What stands for the fitted surface when base and splits are fitted to it.
-TrueSurface sampled(const Mesh& fitted) { return {fitted, samples_per_vertex * fitted.n_vertices()}; }
-
-/// What base and splits of a log are fitted to.
-struct FineSurface {
-    Mesh mesh;
-    Mesh first_stage;  ///< first_coarse_stage() of the mesh, about
-};
+/// What stands for the fine surface when base and splits are fitted to it.
+TrueSurface sampled(const Mesh& fine) { return {fine, samples_per_vertex * fine.n_vertices()}; }
 
 /// The base of the log: as near to the fitted surface as its few vertices can be. Optimised against the photographs it
 /// is worse, since on facets as coarse as these they disagree whatever one does (pot, 36 views, at 2,500 vertices:
 /// 0.058 % of the diagonal, fitted 0.052 %).
-Mesh fit_base(const FineSurface& surface, const TrueSurface& fitted, int n_vertices) {
+Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int n_vertices) {
     SurfaceMeter meter(fitted);
-    return fit_coarse_mesh(surface.mesh, surface.first_stage, n_vertices, meter);
+    return fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
 }
 
-/// Moves all vertices of a surface together to where the images agree most: they were put there a batch at a time.
-/// Errors fall by 1 to 4 %.
-/// @param mesh  untangled as far as it can be, and so it stays
-Mesh polished(Mesh mesh, PhotoBackend& backend, Start& start, const std::stop_token& stop) {
-    OptimiseOptions options;
-    options.rounds = 2;
-    options.tangential = 0;
-    options.bending = fine_bending;
-    const std::vector<Vec3> before = mesh.vertices;
-    optimise_surface(backend, start.silhouettes, mesh.vertices, mesh.triangles, {}, start.guessed.vertices(mesh),
-                     options, stop);
-    take_tangles_back(mesh, before);
-    return mesh;
-}
-
-/// The optimised surface again, with its vertices where the images ask for them: simplified, and refined as step 3
-/// would. The even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief.
+/// The optimised surface again, with its vertices where it bends: simplified by quadrics, subdivided and optimised. The
+/// even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief.
 /// @param n_approaching  vertices that the log will have when it stops to approach it
-/// @param n_base         vertices of the log's base
-FineSurface fine_surface(PhotoBackend& backend, Start& start, int n_approaching, int n_base,
-                         const std::stop_token& stop) {
-    const Mesh& even = start.mesh;
-    const auto part = [&](double p) { return static_cast<int>(p * even.n_vertices()); };
-    const int n_vertices = std::max(part(fine_part), static_cast<int>(fine_over_log * n_approaching));
-    std::optional<TrueSurface> fitted;
-    Mesh base;
-    parallel_invoke([&] { fitted.emplace(sampled(even)); },
-                    [&] { base = decimate(even, part(first_part)); });  // fitted like a log's it is no better start
-    const Grid grid = make_grid(base, n_vertices);
-    RefinableMesh state(to_base(base, grid), grid, {.step_ratio = fine_steps});
-    refine_by_images(state, backend, {start.images, start.silhouettes, start.guessed, *fitted},
-                     {.n_vertices = n_vertices, .growth = fine_growth, .dead_zone = fine_zone}, stop);
-    Mesh refined = state.to_mesh();
-    untangle(refined);
+Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const std::stop_token& stop) {
+    const int n_vertices = std::max(start.mesh.n_vertices(), static_cast<int>(fine_over_log * n_approaching));
+    Mesh fine = subdivide(decimate(start.mesh, static_cast<int>(simplified_part * n_vertices)));
+    optimise_surface(backend, start.silhouettes, fine.vertices, fine.triangles, {}, start.guessed.vertices(fine), {},
+                     stop);
+    untangle(fine);
     give_back_freed_memory();
-    FineSurface surface;
-    // It is simplified, on one thread, as it was before its last small steps; but untangled, since a base that passes
-    // through itself never comes apart again.
-    run_beside([&] { surface.first_stage = first_coarse_stage(refined, n_base); },
-               [&] { surface.mesh = polished(refined, backend, start, stop); });
-    return surface;
+    return fine;
 }
 
 /// The refinement's options, as far as the state at its start decides them.
@@ -340,11 +299,13 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
         give_back_freed_memory();
     }
     const int n_approaching = std::min(options.n_vertices, refine_options(options).n_approached);
-    FineSurface surface =
-        fixed_rate ? FineSurface{mesh, {}} : fine_surface(*backend, start, n_approaching, n_base, stop);
+    Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
-    const TrueSurface fitted = sampled(surface.mesh);
-    if (!fixed_rate) mesh = fit_base(surface, fitted, n_base);
+    std::optional<TrueSurface> fitted;
+    Mesh first_stage;
+    parallel_invoke([&] { fitted.emplace(sampled(fine)); },
+                    [&] { first_stage = fixed_rate ? Mesh{} : first_coarse_stage(fine, n_base); });
+    if (!fixed_rate) mesh = fit_base(fine, std::move(first_stage), *fitted, n_base);
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
@@ -357,11 +318,11 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
                         .mask_growth_px = silhouettes.growth_px(),
                         .guess_points = {guessed.points().begin(), guessed.points().end()},
                         .guess_reach = guessed.reach(),
-                        .fitted = std::move(surface.mesh)});
+                        .fitted = std::move(fine)});
     SentBase sent = send_base(base, grid, frame, images, *backend, options, sink);
     RefinementPoint point{std::move(sent.state), {}};
     if (journal) journal->batch(point.is_rejected);
-    ReconstructResult result = refine_from(std::move(point), sent.distortion, {images, silhouettes, guessed, fitted},
+    ReconstructResult result = refine_from(std::move(point), sent.distortion, {images, silhouettes, guessed, *fitted},
                                            *backend, options, sink, tell, stop, journal);
     result.iterations = std::move(iterations);
     return result;

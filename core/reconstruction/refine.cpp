@@ -83,18 +83,4 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
     return curve;
 }
 
-void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
-                      const RefineOptions& options, const std::stop_token& stop) {
-    StateDistortion now = measure_state(backend, state, options.samples_per_px);
-    std::vector<char> is_rejected;
-    while (has_room(state, options) && !stop.stop_requested()) {
-        is_rejected.resize(at(state.n_faces()), 0);
-        std::optional<RefinementStep> step = next_step(state, now, backend, scene, options, stop, is_rejected);
-        if (!step) break;
-        state = std::move(step->state);
-        now = step->distortion ? std::move(*step->distortion)
-                               : measure_without_terms(backend, state, options.samples_per_px);
-    }
-}
-
 }  // namespace anyrate

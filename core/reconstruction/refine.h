@@ -15,11 +15,11 @@ namespace anyrate {
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
 /// moving the three middles is expected to bring and by a part of phi, which alone stays high at texture edges that no
 /// split can mend.
-/// That is how the fitted surface itself comes about (refine_by_images()). A log's batches bring its state nearer to
-/// that surface, which knows more than the images tell of facets as coarse as the log's first ones, and take the images
-/// for witnesses only beyond it (RefineOptions::n_approached), if they do not disagree too much (most_credible_psi).
-/// A batch that approaches it below that count is fitted while the one before is measured and sent. Backend, sink and
-/// progress are called on the calling thread, a batch's progress before the sink has anything of the next.
+/// A log's first batches (RefineOptions::n_approached) bring its state nearer to the fitted surface instead, which
+/// knows more than the images tell of facets as coarse as theirs; so do the later ones where the images disagree too
+/// much to be taken for witnesses (most_credible_psi). A batch that approaches it below that count is fitted while the
+/// one before is measured and sent. Backend, sink and progress are called on the calling thread, a batch's progress
+/// before the sink has anything of the next.
 /// @param rejected  one flag a face whose split the images did not bear out: all that is remembered from batch to
 ///                  batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
 ///                  that would have followed, bit for bit.
@@ -29,10 +29,5 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
                                const RefineOptions& options, ModelSink& sink,
                                const std::function<void(const CurvePoint&)>& progress, const std::stop_token& stop,
                                std::vector<char>* rejected = nullptr, std::optional<DistortionPoint> known = {});
-
-/// The same without a log: until the rate is met, or a stop.
-/// @param state  refined in place; in the scene's frame
-void refine_by_images(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
-                      const RefineOptions& options, const std::stop_token& stop);
 
 }  // namespace anyrate

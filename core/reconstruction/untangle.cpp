@@ -1,7 +1,6 @@
 #include "core/reconstruction/untangle.h"
 
 #include <algorithm>
-#include <cassert>
 #include <vector>
 
 #include "core/mesh/self_intersections.h"
@@ -41,18 +40,6 @@ bool untangle(Mesh& mesh) {
         stretch(mesh, movable);
     }
     return tangled_vertices(mesh).empty();
-}
-
-void take_tangles_back(Mesh& moved, std::span<const Vec3> before) {
-    assert(before.size() == moved.vertices.size());
-    // Each turn takes back a vertex that no turn before it did, so there is an end.
-    for (bool any = true; any;) {
-        any = false;
-        for (const std::int32_t v : tangled_vertices(moved)) {
-            any = any || moved.vertices[at(v)] != before[at(v)];
-            moved.vertices[at(v)] = before[at(v)];
-        }
-    }
 }
 
 }  // namespace anyrate

@@ -1,6 +1,4 @@
 #pragma once
-#include <span>
-
 #include "core/mesh/mesh.h"
 
 namespace anyrate {
@@ -9,10 +7,5 @@ namespace anyrate {
 /// become a membrane over the rest (stretch()), up to four times.
 /// @return whether no faces meet any more (self_intersections())
 bool untangle(Mesh& mesh);
-
-/// Takes a move of the vertices back wherever it made the surface pass through itself. A surface that did not before
-/// does not afterwards.
-/// @param before  the places of the vertices, as many as the mesh has
-void take_tangles_back(Mesh& moved, std::span<const Vec3> before);
 
 }  // namespace anyrate

@@ -119,17 +119,10 @@ TECHNIQUES = [
     ),
     Technique(
         "fine_surface",
-        "base and splits are fitted to a surface that was refined by the images, not to an even mesh",
+        "base and splits are fitted to a mesh with its vertices where the surface bends, not to an even one",
         CORE + "reconstruct.cpp",
-        "fixed_rate ? FineSurface{mesh, {}} : fine_surface(*backend, start, n_approaching, n_base, stop);",
-        "FineSurface{mesh, first_coarse_stage(mesh, n_base)};\n    static_cast<void>(n_approaching);",
-    ),
-    Technique(
-        "polish",
-        "that surface, untangled, moves as a whole once more",
-        CORE + "reconstruct.cpp",
-        "surface.mesh = polished(refined, backend, start, stop);",
-        "surface.mesh = refined;",
+        "Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);",
+        "Mesh fine = mesh;\n    static_cast<void>(n_approaching);",
     ),
     Technique(
         "approach",
@@ -224,13 +217,6 @@ TECHNIQUES = [
         CORE + "confirmed_depth.cpp",
         "is_confirmed = n_confirm[lane] > 2 * n_against;",
         "is_confirmed = n_confirm[lane] >= options.n_views && n_confirm[lane] > 2 * n_against;",
-    ),
-    Technique(
-        "ranking_by_gain",
-        "faces are split where a split promises most, not where phi is largest",
-        CORE + "image_step.cpp",
-        "scores.push_back(expected_gain(t) + phi_weight * t.distortion.phi);",
-        "scores.push_back(0 * expected_gain(t) + phi_weight * t.distortion.phi);",
     ),
     Technique(
         "aligned_views",
