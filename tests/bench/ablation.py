@@ -198,11 +198,11 @@ TECHNIQUES = [
         ["--crop", 0.7],
     ),
     Technique(
-        "half_resolution_depth",
-        "a pixel of depth hides what is mixed along contours",
+        "full_resolution_depth",
+        "what hides what is told at the photographs' own resolution, not at half of it",
         CORE + "visibility.h",
-        "int finest_level = 1;",
         "int finest_level = 0;",
+        "int finest_level = 1;",
     ),
     Technique(
         "far_contours",
