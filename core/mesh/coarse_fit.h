@@ -15,7 +15,7 @@ Mesh fit_coarse_mesh(const Mesh& mesh, int n_vertices, SurfaceMeter& meter);
 Mesh first_coarse_stage(const Mesh& mesh, int n_vertices);
 
 /// The rest of it.
-/// @param stage  first_coarse_stage() of the mesh, or of one with as many vertices that differs little from it
+/// @param stage  first_coarse_stage() of the mesh
 Mesh fit_coarse_mesh(const Mesh& mesh, Mesh stage, int n_vertices, SurfaceMeter& meter);
 
 }  // namespace anyrate
