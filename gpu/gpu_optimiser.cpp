@@ -22,7 +22,7 @@ struct DeviceControl {
     double converged, least_curvature;
     double more_damping, less_damping, least_damping, reach_px, beyond_px;
     std::int32_t n_taken = 0, n_refused = 0, falls = 0;
-    std::int32_t n_steps, most_trials, n_trial_gates = 0, n_gates = 0, unused = 0;
+    std::int32_t n_steps, most_trials, n_trial_gates = 0, n_gates = 0, is_faint = 0;
 };
 static_assert(sizeof(DeviceControl) == 192);
 struct DeviceGate {
@@ -214,7 +214,7 @@ RoundOutcome GpuOptimiser::run(const OptimiseRound& round, std::vector<Vec3>& ve
     std::vector<Vec3> moved(vertices.size());
     work.read<Vec3>(surface.mesh().vertices, moved);
     vertices = std::move(moved);
-    return {end[0].falls != 0, end[0].damping};
+    return {end[0].falls != 0, end[0].damping, end[0].is_faint != 0};
 }
 
 }  // namespace anyrate

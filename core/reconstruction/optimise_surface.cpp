@@ -24,6 +24,10 @@ constexpr double noisy_psi = 600;       ///< where smoothness counts twice and s
 constexpr double noisy_bending = 0.04;  ///< added to the weight of bending there
 constexpr double weak_evidence = 0.1;   ///< of the mean curvature of phi: below it a vertex keeps its shape
 constexpr double converged = 2e-3;      ///< a round whose energy falls by less than this part has converged
+/// Times as many rounds where texture is so faint that it tells less than noise: a surface takes longer to rest there.
+/// With a tenth of nefertiti's contrast errors are 8 % less, by twice as many rounds 6 %. Where texture is good twice
+/// as many cost a fifth of the time and gain the pot 3 to 6 %, nefertiti and the bowl nothing.
+constexpr int faint_rounds = 3;
 constexpr double more_damping = 8, less_damping = 4, least_damping = 1e-4;
 
 /// What a squared pixel of contour costs, squared colour units: about what a sample of phi does. On poor texture that
@@ -92,6 +96,9 @@ public:
         return false;
     }
 
+    /// See RoundOutcome.
+    bool is_faint() const { return is_faint_; }
+
 private:
     /// Terms of all faces and vertices at the current positions.
     void look() {
@@ -142,7 +149,9 @@ private:
         }
         const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0;
         const double samples_per_vertex = first_samples_ / static_cast<double>(active_.size());
-        bending_ = (options_.bending + noisy_bending * noise) * std::max(mean, least_curvature_ * samples_per_vertex);
+        const double least = least_curvature_ * samples_per_vertex;
+        is_faint_ = mean < least;
+        bending_ = (options_.bending + noisy_bending * noise) * std::max(mean, least);
         rest_ = ring_means(umbrellas({vertices_, triangles_}, rings_, normals_, active_), rings_, active_,
                            vertices_.size());
         for (std::size_t i = 0; i < active_.size(); ++i)
@@ -178,6 +187,7 @@ private:
     std::vector<std::array<Vec3, 3>> directions_;
     std::vector<TriangleTerms> terms_;
     std::vector<SilhouetteTerm> silhouette_terms_;
+    bool is_faint_ = false;
     double credible_ = 0, bending_ = 0, least_curvature_ = 0, first_samples_ = 0, energy_ = 0;
 };
 
@@ -235,7 +245,7 @@ RoundOutcome PhotoBackend::optimise_round(const OptimiseRound& round, std::vecto
         if (!steps.step(damping, s + 1 == round.options.steps_per_round)) break;
         falls = true;
     }
-    return {falls, damping};
+    return {falls, damping, steps.is_faint()};
 }
 
 bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vector<Vec3>& vertices,
@@ -255,9 +265,11 @@ bool optimise_surface(PhotoBackend& backend, Silhouettes& silhouettes, std::vect
     OptimiseRound round{triangles, rings, active, around, faces, options, silhouettes};
     bool moved = false;
     double damping = first_damping;
-    for (int r = 0; r < options.rounds && !stop.stop_requested(); ++r) {
+    int n_rounds = options.rounds;
+    for (int r = 0; r < n_rounds && !stop.stop_requested(); ++r) {
         const RoundOutcome outcome = backend.optimise_round(round, vertices, damping);
         round.is_first = false;  // the silhouettes look once: what comes and goes beyond a contour is soon told
+        if (r == 0 && outcome.is_faint) n_rounds *= faint_rounds;
         damping = outcome.damping;
         moved = moved || outcome.falls;
         if (!outcome.falls) break;

@@ -13,7 +13,7 @@ namespace anyrate {
 struct OptimiseOptions {
     int level = 0;                     ///< of the image pyramid
     double samples_per_px = 1.0;       ///< C of Eq. 7, per pixel of that level
-    int rounds = 3;                    ///< visibility is rendered once a round
+    int rounds = 3;                    ///< visibility is rendered once a round; more where RoundOutcome::is_faint
     int steps_per_round = 3;           ///< the last is not looked at
     double max_step_px = 1.0;          ///< no vertex moves further in one step, pixels of the level
     double tangential = 0.3;           ///< part of Eq. 12's step taken after each round, 0 none

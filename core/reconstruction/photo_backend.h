@@ -36,6 +36,9 @@ class Visibility;      // visibility.h
 struct RoundOutcome {
     bool falls = false;  ///< whether a step was taken by which the energy falls by enough to go on
     double damping = 0;  ///< to begin the next round with
+    /// Whether phi is curved less than noise alone would make it: the mean over the vertices that the images say
+    /// anything of. All that they say has to be gathered from far around.
+    bool is_faint = false;
 };
 
 /// The seam to the GPU is the algorithm: a batch of triangles in, their distortions out. Implementations hold the

@@ -73,7 +73,10 @@ void weigh(double psi) {
     n_with_evidence = total(n_with_evidence);
     const double mean = n_with_evidence > 0 ? sum / n_with_evidence : 1.0lf;
     const double least = least_curvature * first_samples / n_active;
-    if (worker == 0) bending = (bending_part + noisy_bending * noise) * max(mean, least);
+    if (worker == 0) {
+        is_faint = mean < least ? 1 : 0;
+        bending = (bending_part + noisy_bending * noise) * max(mean, least);
+    }
     for (int i = worker; i < n_active; i += WORKERS) {
         const double curvature = field(REST, i);
         set_field(REST, i, mean_umbrella(i) * (1 - curvature / (curvature + weak_evidence * mean)));

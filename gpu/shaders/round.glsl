@@ -42,7 +42,7 @@ layout(std430, binding = 5) MAYBE_COHERENT buffer Control {
     int falls;                 // whether a step was taken by which the energy falls by enough to go on
     int n_steps, most_trials;  // of the round, of a step
     int n_trial_gates, n_gates;  // of a trial, the first of them assembles; behind them those of the round's last step
-    int unused;
+    int is_faint;              // whether phi is curved less than noise alone would make it
     Gate gates[];
 };
 

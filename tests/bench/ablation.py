@@ -176,10 +176,18 @@ TECHNIQUES = [
     ),
     Technique(
         "least_curvature",
-        "bending is weighed against no less than noise; here a tenth of the texture",
+        "bending is weighed against no less than noise, nor are there more rounds; here a tenth of the texture",
         CORE + "optimise_surface.cpp",
         "constexpr double noise_curvature = 75;",
         "constexpr double noise_curvature = 0;",
+        ["--texture", 0.1],
+    ),
+    Technique(
+        "faint_rounds",
+        "three times as many rounds where texture tells less than noise; here a tenth of the texture",
+        CORE + "optimise_surface.cpp",
+        "constexpr int faint_rounds = 3;",
+        "constexpr int faint_rounds = 1;",
         ["--texture", 0.1],
     ),
     Technique(

@@ -148,6 +148,7 @@ inline void check_optimise_round(const BackendFactory& make, double tolerance_px
         for (std::size_t r = 0; r < expected.outcomes.size(); ++r) {
             CAPTURE(r);
             CHECK(got.outcomes[r].falls == expected.outcomes[r].falls);
+            CHECK(got.outcomes[r].is_faint == expected.outcomes[r].is_faint);
             CHECK(got.outcomes[r].damping == doctest::Approx(expected.outcomes[r].damping));
             const std::vector<Vec3>& before = r == 0 ? scene.mesh.vertices : got.vertices[r - 1];
             double largest = 0, farthest = 0;
@@ -174,6 +175,23 @@ inline void check_optimise_round(const BackendFactory& make, double tolerance_px
     }
     CHECK(n_taken > 5);
     CHECK(n_rolled_back > 0);
+}
+
+/// Whether the images tell less than noise would is said of the same images on every backend.
+inline void check_faintness(const BackendFactory& make) {
+    Capture capture = sphere_capture(8, 160);
+    const Mesh mesh = icosphere(3, 0.98);
+    const RoundCase scene{"all of a sphere", mesh, round_contract::every(1, mesh.n_vertices()), {}, {}};
+    const auto is_faint = [&] {
+        const PhotoImages images = make_photo_images(capture, 3);
+        return round_contract::take(scene, *make(images, Sampling::adaptive), capture).outcomes.front().is_faint;
+    };
+    CHECK_FALSE(is_faint());
+    for (View& view : capture.views)
+        for (auto& pixel : view.image.pixels)
+            for (std::uint8_t* channel : {&pixel.r, &pixel.g, &pixel.b})
+                *channel = static_cast<std::uint8_t>(120 + *channel / 32);
+    CHECK(is_faint());
 }
 
 }  // namespace anyrate

@@ -21,3 +21,5 @@ TEST_CASE("PhotoBackend contract: rounds of local optimisation on the GPU backen
     const bool is_software = EglContext(DeviceChoice::any).device().is_software;
     check_optimise_round(make_on_any_device, is_software ? 0.001 : 0.01);
 }
+
+TEST_CASE("PhotoBackend contract: the GPU backend tells faint images") { check_faintness(make_on_any_device); }

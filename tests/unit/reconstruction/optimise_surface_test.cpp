@@ -77,6 +77,39 @@ TEST_CASE("Optimise: on images without texture the silhouettes carry the surface
     for (const Vec3& v : mesh.vertices) CHECK(v.norm() == doctest::Approx(1.0).epsilon(0.05));
 }
 
+TEST_CASE("Optimise: where texture is too faint to tell more than noise there are more rounds") {
+    /// Ends every round as one that may be followed by another.
+    class CountingRounds final : public PhotoBackend {
+    public:
+        explicit CountingRounds(bool is_faint) : is_faint_(is_faint) {}
+        void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override {}
+        std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery>) override { return {}; }
+        std::vector<TriangleTerms> terms(std::span<const TriangleQuery>,
+                                         std::span<const std::array<Vec3, 3>>) override {
+            return {};
+        }
+        RoundOutcome optimise_round(const OptimiseRound&, std::vector<Vec3>&, double damping) override {
+            ++n_rounds;
+            return {.falls = true, .damping = damping, .is_faint = is_faint_};
+        }
+        double pixel_size(std::int32_t) const override { return 1; }
+        int n_levels() const override { return 1; }
+        int n_rounds = 0;
+
+    private:
+        bool is_faint_;
+    };
+    Scene scene;
+    const auto n_rounds = [&](bool is_faint) {
+        CountingRounds backend(is_faint);
+        Mesh mesh = icosphere(1);
+        optimise_surface(backend, scene.silhouettes, mesh.vertices, mesh.triangles, {}, {}, {.rounds = 2});
+        return backend.n_rounds;
+    };
+    CHECK(n_rounds(false) == 2);
+    CHECK(n_rounds(true) > 2);
+}
+
 TEST_CASE("Optimise: what no image shows keeps its ring's shape: a dent goes, the sphere stays round") {
     Scene scene;
     scene.capture.views.resize(2);
