@@ -133,10 +133,11 @@ TECHNIQUES = [
     ),
     Technique(
         "unseen_surface",
-        "what faces away from all views is flat and a guess",
+        "what faces away from all views is flat and a guess; here photographs cropped to 70 %",
         CORE + "initial_mesh.cpp",
         "unseen_vertices(initial.mesh, images);",
         "std::vector<char>(initial.mesh.vertices.size());",
+        ["--crop", 0.7],
     ),
     Technique(
         "roll_back",
