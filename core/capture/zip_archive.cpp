@@ -4,6 +4,7 @@
 #include <archive_entry.h>
 #include <locale.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
@@ -75,7 +76,9 @@ public:
             const std::string file = checked_name(entry);
             check_kind(entry, file);
             if (!seen.insert(file).second) throw_fault(name_, "holds " + file + " twice; expected every file once");
-            if (!wanted || wanted(file)) take(file, read_data(file));
+            if (wanted && !wanted(file)) continue;
+            check_promise(entry);
+            take(file, read_data(file));
         }
     }
 
@@ -106,6 +109,12 @@ private:
         if (archive_entry_is_encrypted(entry)) throw_fault(name_, file + " is encrypted; expected no password");
     }
 
+    /// A bomb that says what it is need not be unpacked to be refused.
+    void check_promise(archive_entry* entry) const {
+        if (!archive_entry_size_is_set(entry)) return;
+        check_size(n_unpacked_bytes_ + std::clamp<std::int64_t>(archive_entry_size(entry), 0, limits_.max_bytes + 1));
+    }
+
     /// Unpacks the current entry, believing no size but that of what has come out so far.
     std::vector<std::uint8_t> read_data(const std::string& file) {
         std::vector<std::uint8_t> data;
@@ -116,16 +125,16 @@ private:
                 throw_fault(name_, file + " cannot be unpacked (" + reason(reader_) + "); expected an intact zip file");
             if (n == 0) return data;
             n_unpacked_bytes_ += n;
-            check_size();
+            check_size(n_unpacked_bytes_);
             data.insert(data.end(), block.begin(), block.begin() + n);
         }
     }
 
-    void check_size() const {
-        if (n_unpacked_bytes_ > limits_.max_bytes)
+    void check_size(std::int64_t n_bytes) const {
+        if (n_bytes > limits_.max_bytes)
             throw_fault(name_, "unpacks to more than " + std::to_string(limits_.max_bytes) +
                                    " bytes, the most a capture may have");
-        if (n_unpacked_bytes_ > ratio_free_bytes && n_unpacked_bytes_ / limits_.max_ratio > n_packed_bytes_)
+        if (n_bytes > ratio_free_bytes && n_bytes / limits_.max_ratio > n_packed_bytes_)
             throw_fault(name_, "unpacks to more than " + std::to_string(limits_.max_ratio) +
                                    " times its size; expected photographs, which do not pack that well");
     }

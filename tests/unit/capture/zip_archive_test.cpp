@@ -90,6 +90,20 @@ TEST_CASE("Zip: too many entries, too many bytes and too good a packing are refu
     CHECK(says(zip_refusal(bomb), {"x.zip: unpacks to more than 100 times its size"}));
 }
 
+TEST_CASE("Zip: a bomb is refused for the size it promises, before it is unpacked") {
+    std::string bomb = make_zip({{"zeros", std::string(20 << 20, '\0')}});
+    for (std::size_t i = 1000; i < 2000; ++i) bomb[i] = '\xff';  // nothing behind here can be unpacked
+    CHECK(says(zip_refusal(bomb), {"x.zip: unpacks to more than 100 times its size"}));
+}
+
+TEST_CASE("Zip: a bomb that promises little is refused for what it delivers") {
+    std::string bomb = make_zip({{"zeros", std::string(20 << 20, '\0')}});
+    const auto directory = bomb.find("PK\1\2");
+    REQUIRE(directory != std::string::npos);
+    bomb.replace(directory + 24, 4, std::string("\5\0\0\0", 4));  // where it has the size
+    CHECK(!zip_refusal(bomb).empty());
+}
+
 TEST_CASE("Zip: what is no zip is refused") {
     for (const std::string& bytes : {std::string(), std::string("hello"), std::string(100000, '\0')})
         CHECK(says(zip_refusal(bytes), {"x.zip: not a", "zip file", "expected"}));
