@@ -18,6 +18,7 @@
 #include "server/cli/output_name.h"
 #include "server/client/fetch_log.h"
 #include "server/client/live_client.h"
+#include "server/client/log_target.h"
 #include "server/store/file.h"
 
 namespace anyrate {

@@ -7,14 +7,13 @@
 
 #include "core/error.h"
 #include "proto/log_reader.h"
-#include "server/store/model_id.h"
+#include "server/client/log_target.h"
 
 namespace anyrate {
 namespace {
 
 constexpr std::uint64_t first_request = 8192;
 constexpr std::uint64_t no_end = std::numeric_limits<std::uint64_t>::max();
-constexpr std::string_view models = "/v1/models/";
 
 std::string range_field(std::uint64_t begin, std::uint64_t end) {
     return "bytes=" + std::to_string(begin) + "-" + (end == no_end ? "" : std::to_string(end - 1));
@@ -134,22 +133,7 @@ private:
     FetchedLog log_;
 };
 
-bool is_model_target(const std::string& target) {
-    return std::string_view(target).substr(0, models.size()) == models &&
-           is_model_id(std::string_view(target).substr(models.size()));
-}
-
 }  // namespace
-
-std::string log_target(const std::string& target) { return is_model_target(target) ? target + "/log" : target; }
-
-std::string index_target(const std::string& log_target) {
-    constexpr std::string_view log = "/log";
-    const auto model = log_target.size() - std::min(log_target.size(), log.size());
-    if (log_target.substr(model) == log && is_model_target(log_target.substr(0, model)))
-        return log_target.substr(0, model) + "/index?form=live";
-    return log_target + ".idx";
-}
 
 std::optional<SideIndex> fetch_index(HttpClient& client, const std::string& index_target) {
     const ClientResponse response = client.open({.target = index_target, .headers = {}, .body = {}});

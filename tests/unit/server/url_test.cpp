@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "server/client/fetch_log.h"
+#include "server/client/log_target.h"
 
 using namespace anyrate;
 
