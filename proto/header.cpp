@@ -118,7 +118,7 @@ Header decode_header(std::span<const std::byte> bytes) {
         return id;
     };
     take_rule("predictor", rule_id);
-    header.rules.flip_rule = FlipRule{take_rule("flip rule", 2)};
+    header.rules.flip_rule = FlipRule{take_rule("flip rule", 3)};
     header.rules.ring_smoothing = RingSmoothing{take_rule("smoothing", 2)};
     take_rule("update mode", rule_id);
     header.rules.step_ratio = in.take<std::uint16_t>();

@@ -124,10 +124,14 @@ void RefinableMesh::refine(std::int32_t face, const std::array<std::int32_t, 6>&
     positions_.resize(positions_.size() + 3);
     try {
         hash_.mix(face);
-        predict(face);                          // 1
+        const Corners corners = {at(site[0]), at(site[1]), at(site[2])};
+        const Corners corner_normals = {ring(site[0]).normal, ring(site[1]).normal, ring(site[2]).normal};
+        const auto metric =
+            rules_.flip_rule == FlipRule::curvature_aligned ? curvature_metric(corners, corner_normals) : std::nullopt;
+        predict(corners, corner_normals);       // 1
         connectivity_.split(face, site);        // 2
         for (int pass = 0; pass < 2; ++pass) {  // 3
-            for (std::int32_t i = 0; i < 3; ++i) flip_around(V + i);
+            for (std::int32_t i = 0; i < 3; ++i) flip_around(V + i, metric ? &*metric : nullptr);
         }
         for (std::int32_t i = 0; i < 3; ++i) smooth(V + i, new_vertex_smoothing);  // 4
 
@@ -152,25 +156,22 @@ void RefinableMesh::refine(std::int32_t face, const std::array<std::int32_t, 6>&
     connectivity_.commit();
 }
 
-void RefinableMesh::predict(std::int32_t face) {
-    const Triangle corners = triangles()[static_cast<std::size_t>(face)];
+void RefinableMesh::predict(const Corners& corners, const Corners& normals) {
     const std::int32_t V = n_vertices();
-    const std::array<LatticeVector, 3> normals = {ring(corners[0]).normal, ring(corners[1]).normal,
-                                                  ring(corners[2]).normal};
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t j = (i + 1) % 3;
-        const LatticeVector p = at(corners[i]), q = at(corners[j]), e = q - p;
+        const LatticeVector p = corners[i], q = corners[j], e = q - p;
         const LatticeVector bulge = dot(e, normals[i]) * normals[i] - dot(e, normals[j]) * normals[j];
         write(V + static_cast<std::int32_t>(i), clamped_to_grid(0.5 * (p + q) - 0.125 * bulge));
     }
 }
 
-void RefinableMesh::flip_around(std::int32_t vertex) {
+void RefinableMesh::flip_around(std::int32_t vertex, const CurvatureMetric* metric) {
     const std::int32_t first = connectivity_.outgoing(vertex);
     std::int32_t spoke = first;
     do {
         const std::int32_t link = HalfedgeConnectivity::next(spoke);
-        if (flips(link)) {
+        if (flips(link, metric)) {
             connectivity_.flip(link);
             hash_.mix(flip_mark + static_cast<std::uint32_t>(link));
         }
@@ -178,13 +179,13 @@ void RefinableMesh::flip_around(std::int32_t vertex) {
     } while (spoke != first);
 }
 
-bool RefinableMesh::flips(std::int32_t halfedge) const {
+bool RefinableMesh::flips(std::int32_t halfedge, const CurvatureMetric* metric) const {
     const std::int32_t opposite = twin(halfedge);
     const EdgeQuad quad = {.p = at(connectivity_.origin(halfedge)),
                            .q = at(connectivity_.origin(opposite)),
                            .m = at(connectivity_.origin(HalfedgeConnectivity::prev(halfedge))),
                            .s = at(connectivity_.origin(HalfedgeConnectivity::prev(opposite)))};
-    return wants_flip(quad, rules_.flip_rule) && connectivity_.can_flip(halfedge);
+    return wants_flip(quad, rules_.flip_rule, metric) && connectivity_.can_flip(halfedge);
 }
 
 RefinableMesh::Ring RefinableMesh::ring(std::int32_t vertex) const {

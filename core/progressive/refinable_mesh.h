@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/mesh.h"
+#include "core/progressive/curvature_metric.h"
 #include "core/progressive/grid.h"
 #include "core/progressive/halfedge_connectivity.h"
 #include "core/progressive/lattice_arithmetic.h"
@@ -80,9 +81,10 @@ private:
     struct Ring;
     template <class ChooseScalar>
     void refine(std::int32_t face, const std::array<std::int32_t, 6>& site, ChooseScalar&& choose);
-    void predict(std::int32_t face);
-    void flip_around(std::int32_t vertex);
-    bool flips(std::int32_t halfedge) const;
+    using Corners = std::array<LatticeVector, 3>;
+    void predict(const Corners& corners, const Corners& normals);
+    void flip_around(std::int32_t vertex, const CurvatureMetric* metric);
+    bool flips(std::int32_t halfedge, const CurvatureMetric* metric) const;
     Ring ring(std::int32_t vertex) const;
     void smooth(std::int32_t vertex, double weight);
     GridPoint moved(std::int32_t vertex, std::int32_t scalar, std::int32_t step, const LatticeVector& normal) const;

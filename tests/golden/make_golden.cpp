@@ -5,6 +5,7 @@
 //   icosphere.json        for a list of vertex budgets: vertices, faces, state hash and the CRC-32C of positions,
 //                         triangles and colours that every reader must find in both
 //   cube.arl, cube.json   the same of a cube that is rounded off, by flip rule 2 and smoothing 2, packed
+//   sphere.arl, sphere.json  the same of a bumpy sphere, by flip rule 3 and smoothing 2
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -75,6 +76,12 @@ void make_golden(const std::string& folder) {
     const std::vector<std::byte> packed = seal_log(cube.live, cube.rows, largest_packets(128));
     write_file(folder + "/cube.arl", packed);
     write_file(folder + "/cube.json", expectations(packed, {98, 101, 102, 103, 158, 200, 333, 500, 700, 1000000}));
+
+    const samples::SampleLog sphere = samples::sphere_log();
+    const std::vector<std::byte> packed_sphere = seal_log(sphere.live, sphere.rows, largest_packets(128));
+    write_file(folder + "/sphere.arl", packed_sphere);
+    write_file(folder + "/sphere.json",
+               expectations(packed_sphere, {42, 44, 45, 46, 100, 101, 333, 500, 700, 1000, 1000000}));
 }
 
 }  // namespace

@@ -227,7 +227,16 @@ SampleLog icosphere_log() {
 
 SampleLog cube_log() {
     const Grid grid = unit_grid(12);
-    return make_log(grid, flat_cube(grid, 2), {.n_batches = 12, .splits_per_batch = 20, .log_id = 43});
+    return make_log(grid, flat_cube(grid, 2),
+                    {.n_batches = 12,
+                     .splits_per_batch = 20,
+                     .log_id = 43,
+                     .rules = {.flip_rule = FlipRule::crease_preserving, .ring_smoothing = RingSmoothing::sixteenth}});
+}
+
+SampleLog sphere_log() {
+    const Grid grid = unit_grid(12);
+    return make_log(grid, icosphere(grid, 1), {.n_batches = 16, .splits_per_batch = 20, .log_id = 44});
 }
 
 }  // namespace anyrate::samples

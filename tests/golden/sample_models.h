@@ -49,9 +49,11 @@ std::int32_t towards_bumpy_sphere(const Grid& grid, const ScalarSite& site);
 /// The rules of the first logs: every value 1.
 RefinementRules first_rules();
 
-/// The models of the golden files: the first two with the first rules, the cube with those of today.
+/// The models of the golden files: the first two with the first rules, the cube with flip rule 2, the sphere with the
+/// rules of today.
 SampleLog octahedron_log();
 SampleLog icosphere_log();
 SampleLog cube_log();
+SampleLog sphere_log();
 
 }  // namespace anyrate::samples

@@ -4,7 +4,10 @@ import { test } from "vitest";
 
 import { decodeLog, FrameType, ModelDecoder, prefixFor, readLayout } from "../src/client/index.js";
 import { triplesOfFormat } from "./format-text.js";
-import { cube, cubeExpectations, draco, found, icosphere, icosphereExpectations, icospherePacked, octahedron } from "./golden.js";
+import {
+    cube, cubeExpectations, draco, found, icosphere, icosphereExpectations, icospherePacked, octahedron, sphere,
+    sphereExpectations,
+} from "./golden.js";
 
 test("Golden: every budget gives the mesh, the colours and the hash that C++ recorded", () => {
     assert.ok(icosphereExpectations.length > 10);
@@ -16,14 +19,19 @@ test("Golden: every budget gives the mesh, the colours and the hash that C++ rec
     }
 });
 
-test("Golden: the rules of today, recorded on a cube, are those of C++", () => {
-    const { header } = readLayout(cube);
-    assert.deepEqual([header.rules.flipRule, header.rules.smoothing], [2, 2]);
-    for (const expected of cubeExpectations) {
-        const { mesh } = decodeLog(cube, draco, { vertices: expected.budget });
-        assert.deepEqual(found(expected.budget, mesh), expected);
-    }
-});
+for (const [name, log, flipRule, expectations] of [
+    ["cube", cube, 2, cubeExpectations],
+    ["sphere", sphere, 3, sphereExpectations],
+] as const) {
+    test(`Golden: later rules, recorded on a ${name}, are those of C++`, () => {
+        const { header } = readLayout(log);
+        assert.deepEqual([header.rules.flipRule, header.rules.smoothing], [flipRule, 2]);
+        for (const expected of expectations) {
+            const { mesh } = decodeLog(log, draco, { vertices: expected.budget });
+            assert.deepEqual(found(expected.budget, mesh), expected);
+        }
+    });
+}
 
 test("Golden: a budget that is raised step by step gives the same as one that is set at once", () => {
     for (const log of [icosphere, icospherePacked]) {
@@ -50,7 +58,7 @@ test("Golden: the prefix that the index names is all that a vertex budget needs"
 });
 
 test("Golden: bytes that come one by one give the same mesh, and every frame's hash is passed on the way", () => {
-    for (const log of [octahedron, icosphere, icospherePacked, cube]) {
+    for (const log of [octahedron, icosphere, icospherePacked, cube, sphere]) {
         const decoder = new ModelDecoder(draco);
         const frames = Array.from(log, (_, i) => decoder.feed(log.subarray(i, i + 1))).flat();
         assert.deepEqual(frames.map((frame) => frame.end), readLayout(log).frames.map((frame) => frame.end));
@@ -61,7 +69,7 @@ test("Golden: bytes that come one by one give the same mesh, and every frame's h
 });
 
 test("Golden: the state after every frame has the hash that the frame states", () => {
-    for (const log of [octahedron, icosphere, icospherePacked, cube]) {
+    for (const log of [octahedron, icosphere, icospherePacked, cube, sphere]) {
         const decoder = new ModelDecoder(draco);
         let fed = 0;
         for (const frame of readLayout(log).frames) {

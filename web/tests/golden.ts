@@ -22,6 +22,9 @@ export const icospherePacked = readGolden("icosphere-packed.arl");
 /** A cube that is rounded off, by flip rule 2 and smoothing 2. */
 export const cube = readGolden("cube.arl");
 
+/** A bumpy sphere, by flip rule 3 and smoothing 2. */
+export const sphere = readGolden("sphere.arl");
+
 /** What every reader must find at a vertex budget. */
 export interface Expectation {
     readonly budget: number;
@@ -36,6 +39,7 @@ export interface Expectation {
 /** Of the icosphere in both forms. */
 export const icosphereExpectations = readExpectations("icosphere.json");
 export const cubeExpectations = readExpectations("cube.json");
+export const sphereExpectations = readExpectations("sphere.json");
 
 /** The same of a mesh. */
 export function found(budget: number, mesh: ProgressiveMesh): Expectation {

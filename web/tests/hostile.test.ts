@@ -8,7 +8,7 @@ import { test } from "vitest";
 import { frameHeaderSize, hasIndexRow } from "../src/client/frame.js";
 import { DecodeError, decodeLog, FrameType, loadDraco3d, ModelDecoder, readLayout } from "../src/client/index.js";
 import type { DecodedLog, DracoDecoder } from "../src/client/index.js";
-import { concatenated, cube, draco, found, icosphere, icospherePacked, octahedron, rewritten } from "./golden.js";
+import { concatenated, cube, draco, found, icosphere, icospherePacked, octahedron, rewritten, sphere } from "./golden.js";
 
 /** The mesh of a log; undefined if it was refused as it should be. */
 function decodedOrRefused(log: Uint8Array, decoder: DracoDecoder = draco): DecodedLog | undefined {
@@ -96,7 +96,7 @@ test("Hostile bytes: no flipped bit of the octahedron goes unnoticed", async () 
 });
 
 test("Hostile bytes: no flipped bit of a larger log goes unnoticed by its framing", async () => {
-    for (const log of [icosphere, icospherePacked, cube]) {
+    for (const log of [icosphere, icospherePacked, cube, sphere]) {
         const damaged = log.slice();
         for (let bit = 0; bit < 8 * log.length; ++bit) {
             if (bit % 64 === 0) await tick();

@@ -19,7 +19,7 @@ RefinableMesh disc() {
     Mesh mesh = icosphere(3);
     const Vec3 axis = Vec3(1, 2, 0.5).normalized();
     for (Vec3& v : mesh.vertices) v -= 0.9 * v.dot(axis) * axis;
-    return RefinableMesh(on_grid(mesh, unit_grid), unit_grid, {});
+    return RefinableMesh(on_grid(mesh, unit_grid), unit_grid, {.flip_rule = FlipRule::crease_preserving});
 }
 
 /// The same mesh with steps of another length.

@@ -38,10 +38,12 @@ void check_is_prefix(const std::optional<Mesh>& mesh, const std::vector<Mesh>& p
 
 /// The golden logs of some hundred splits: too many for every damage to be decoded, so their framing has to tell.
 std::vector<std::vector<std::byte>> larger_logs() {
-    const samples::SampleLog sample = samples::icosphere_log(), cube = samples::cube_log();
+    const samples::SampleLog sample = samples::icosphere_log(), cube = samples::cube_log(),
+                             sphere = samples::sphere_log();
     return {seal_log(sample.live, sample.rows, {.splits_per_packet = 0}),
             seal_log(sample.live, sample.rows, largest_packets(128)),
-            seal_log(cube.live, cube.rows, largest_packets(128))};
+            seal_log(cube.live, cube.rows, largest_packets(128)),
+            seal_log(sphere.live, sphere.rows, largest_packets(128))};
 }
 
 void check_are_first_frames(const LogLayout& layout, const LogLayout& sound) {

@@ -84,12 +84,15 @@ TEST_CASE("Golden: today's reader finds in the recorded logs what was recorded w
         check_expectations(read_bytes(name), expectations);
 }
 
-TEST_CASE("Golden: the rules of today, recorded on a cube, are those of tomorrow") {
-    const auto log = read_bytes("cube.arl");
-    const Header header = read_layout(log).header;
-    CHECK(header.rules.flip_rule == FlipRule::crease_preserving);
-    CHECK(header.rules.ring_smoothing == RingSmoothing::sixteenth);
-    check_expectations(log, nlohmann::json::parse(read_text("cube.json")));
+TEST_CASE("Golden: later rules, recorded on a cube and a sphere, are those of tomorrow") {
+    for (const auto& [name, flip_rule] :
+         {std::pair("cube", FlipRule::crease_preserving), std::pair("sphere", FlipRule::curvature_aligned)}) {
+        const auto log = read_bytes(std::string(name) + ".arl");
+        const Header header = read_layout(log).header;
+        CHECK(header.rules.flip_rule == flip_rule);
+        CHECK(header.rules.ring_smoothing == RingSmoothing::sixteenth);
+        check_expectations(log, nlohmann::json::parse(read_text(std::string(name) + ".json")));
+    }
 }
 
 TEST_CASE("Golden: the packed log has the refinements of the other in fewer frames") {
@@ -104,6 +107,8 @@ TEST_CASE("Golden: today's writer writes the recorded bytes") {
     CHECK(seal_log(sample.live, sample.rows, largest_packets(128)) == read_bytes("icosphere-packed.arl"));
     const auto cube = samples::cube_log();
     CHECK(seal_log(cube.live, cube.rows, largest_packets(128)) == read_bytes("cube.arl"));
+    const auto sphere = samples::sphere_log();
+    CHECK(seal_log(sphere.live, sphere.rows, largest_packets(128)) == read_bytes("sphere.arl"));
 }
 
 TEST_CASE("Golden: the bytes listed in FORMAT.md are those of the file") {

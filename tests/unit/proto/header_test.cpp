@@ -77,7 +77,7 @@ TEST_CASE("Header: fields out of their limits are rejected though the checksum i
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 55, 0x80)), DecodeError);  // negative unit
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 56, 21)), DecodeError);    // grid bits
     CHECK_THROWS_AS(decode_header(with_byte(bytes, 57, 14)), DecodeError);    // base shift
-    for (const auto& [rule, unknown] : {std::pair(58, 2), std::pair(59, 3), std::pair(60, 3), std::pair(61, 2)}) {
+    for (const auto& [rule, unknown] : {std::pair(58, 2), std::pair(59, 4), std::pair(60, 3), std::pair(61, 2)}) {
         for (const int id : {0, unknown, 255}) {
             const auto bad = with_byte(bytes, static_cast<std::size_t>(rule), static_cast<std::uint8_t>(id));
             CHECK_THROWS_AS(decode_header(bad), DecodeError);
@@ -89,7 +89,7 @@ TEST_CASE("Header: fields out of their limits are rejected though the checksum i
 }
 
 TEST_CASE("Header: every known flip rule and smoothing is read as it was written") {
-    for (const FlipRule flips : {FlipRule::delaunay, FlipRule::crease_preserving}) {
+    for (const FlipRule flips : {FlipRule::delaunay, FlipRule::crease_preserving, FlipRule::curvature_aligned}) {
         for (const RingSmoothing smoothing : {RingSmoothing::quarter, RingSmoothing::sixteenth}) {
             Header header = sample_header();
             header.rules.flip_rule = flips;

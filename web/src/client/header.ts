@@ -119,7 +119,7 @@ function takeRules(reader: ByteReader): RefinementRules {
         return id;
     };
     takeRule("predictor", 1);
-    const flipRule = takeRule("flip rule", 2);
+    const flipRule = takeRule("flip rule", 3);
     const smoothing = takeRule("smoothing", 2);
     takeRule("update mode", 1);
     return { flipRule, smoothing, stepRatio: reader.u16() };

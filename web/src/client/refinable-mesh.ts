@@ -2,6 +2,7 @@
 // component by component: each rounding is that of FORMAT.md, "Arithmetic", and nothing is allocated.
 // PN triangles: Vlachos, Peters, Boyd, Mitchell, "Curved PN Triangles", 2001.
 import { ChangeMarks } from "./change-marks.js";
+import { CurvatureMetric } from "./curvature-metric.js";
 import { DecodeError } from "./decode-error.js";
 import { withRoomFor } from "./growing-array.js";
 import { HalfedgeConnectivity } from "./halfedge-connectivity.js";
@@ -14,6 +15,8 @@ import { RollingHash } from "./rolling-hash.js";
 import { UndoJournal } from "./undo-journal.js";
 import { wantsFlip } from "./wants-flip.js";
 
+/** The flip rule that wants a metric. */
+const curvatureAligned = 3;
 const flipMark = 0x80000000;
 const newVertexSmoothing = 0.5;
 /** By the header's smoothing. */
@@ -60,6 +63,7 @@ export class RefinableMesh {
     private readonly normal = new Float64Array(3);
     /** Unit normals of three vertices. */
     private readonly normals = new Float64Array(9);
+    private readonly metric = new CurvatureMetric();
 
     /**
      * @param base on a grid of 2^gridBits positions an axis
@@ -144,9 +148,12 @@ export class RefinableMesh {
         const step = this.scalarStep();
         this.hash.mix(face);
         this.predict(V); // 1
+        const hasMetric =
+            this.rules.flipRule === curvatureAligned && this.metric.measure(this.positions, site, this.normals);
+        const metric = hasMetric ? this.metric : null;
         connectivity.split(face, site); // 2
         for (let pass = 0; pass < 2; ++pass) {
-            for (let i = 0; i < 3; ++i) this.flipAround(V + i); // 3
+            for (let i = 0; i < 3; ++i) this.flipAround(V + i, metric); // 3
         }
         for (let i = 0; i < 3; ++i) this.smooth(V + i, newVertexSmoothing); // 4
 
@@ -206,14 +213,14 @@ export class RefinableMesh {
         }
     }
 
-    private flipAround(vertex: number): void {
+    private flipAround(vertex: number, metric: CurvatureMetric | null): void {
         const { connectivity, positions } = this;
         const { flipRule } = this.rules;
         const first = connectivity.outgoing[vertex];
         let spoke = first;
         do {
             const link = next(spoke);
-            if (wantsFlip(positions, connectivity, link, flipRule)) {
+            if (wantsFlip(positions, connectivity, link, flipRule, metric)) {
                 connectivity.flip(link);
                 this.hash.mix(flipMark + link);
             }

@@ -1,19 +1,24 @@
 // A step of refinable-mesh.ts: proto/FORMAT.md, "3. Flip"; each rounding is that of "Arithmetic".
+import type { CurvatureMetric } from "./curvature-metric.js";
 import type { HalfedgeConnectivity } from "./halfedge-connectivity.js";
 import { prev } from "./halfedge.js";
 
-/** Rule 2: edges between faces at more than 14 degrees stay, those between needles (270 degrees) from 36 degrees on. */
-const creasePreserving = 2;
+/** Rules 2 and 3: edges between faces at more than 14 degrees stay, those between needles (270 degrees) from 36 on. */
+const delaunay = 1;
 const coplanarCosine = 0.96875;
 const needleCosine = 0.8125;
 const needleCotangents = 2;
 
-/** Whether the edge of h, from p to q between the corners m and s, gives way to one between m and s. */
+/**
+ * Whether the edge of h, from p to q between the corners m and s, gives way to one between m and s.
+ * @param metric of the face that is being split, if the rule wants one and there is one
+ */
 export function wantsFlip(
     positions: Int32Array,
     connectivity: HalfedgeConnectivity,
     h: number,
     flipRule: number,
+    metric: CurvatureMetric | null,
 ): boolean {
     const { corners, twins } = connectivity;
     const t = twins[h];
@@ -28,7 +33,7 @@ export function wantsFlip(
 
     const dotM = (px - mx) * (qx - mx) + (py - my) * (qy - my) + (pz - mz) * (qz - mz);
     const dotS = (px - sx) * (qx - sx) + (py - sy) * (qy - sy) + (pz - sz) * (qz - sz);
-    if (dotM >= 0 && dotS >= 0) return false; // no angle above 90 degrees: the sum below cannot be negative
+    if (!metric && dotM >= 0 && dotS >= 0) return false; // no angle above 90 degrees: the sum cannot be negative
 
     // a = cross(p - m, q - m), b = cross(p - s, q - s): normals of the two faces, b turned away
     const ax = (py - my) * (qz - mz) - (pz - mz) * (qy - my);
@@ -40,13 +45,19 @@ export function wantsFlip(
     const sineM = Math.sqrt(ax * ax + ay * ay + az * az);
     const sineS = Math.sqrt(bx * bx + by * by + bz * bz);
     const cotangents = dotM * sineS + dotS * sineM; // cot m + cot s, times the sines
-    if (!(cotangents < 0)) return false;
-
-    // cross(q - p, m - p) is a, cross(p - q, s - q) is -b: all of them sums of exact integers.
-    if (flipRule === creasePreserving) {
+    if (flipRule === delaunay) {
+        if (!(cotangents < 0)) return false;
+    } else {
+        // cross(q - p, m - p) is a, cross(p - q, s - q) is -b: all of them sums of exact integers.
         const sines = sineM * sineS;
         const areNeedles = cotangents < -needleCotangents * sines;
         if (!(-(ax * bx + ay * by + az * bz) >= (areNeedles ? needleCosine : coplanarCosine) * sines)) return false;
+        const sum =
+            areNeedles || !metric
+                ? cotangents
+                : metric.innerProduct(px - mx, py - my, pz - mz, qx - mx, qy - my, qz - mz) * sineS +
+                  metric.innerProduct(px - sx, py - sy, pz - sz, qx - sx, qy - sy, qz - sz) * sineM;
+        if (!(sum < 0)) return false;
     }
 
     // N = cross(q - p, m - p) + cross(p - q, s - q)
