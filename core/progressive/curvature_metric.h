@@ -26,7 +26,7 @@ struct CurvatureMetric {
 /// @return nullopt if the face has no area or the surface does not bend
 inline std::optional<CurvatureMetric> curvature_metric(const std::array<LatticeVector, 3>& corners,
                                                        const std::array<LatticeVector, 3>& normals) {
-    constexpr double all_directions = 0.3125;  // part of the mean; with 0.1 and 1 surfaces are approximated worse
+    constexpr double all_directions = 0.3125;  // part of the mean; with 0.1 a bust is 2 % worse, 0.6 does as well
     const LatticeVector first = corners[1] - corners[0], third = corners[2] - corners[0];
     const LatticeVector area_vector = cross(first, third);
     const double area = length(area_vector), base = length(first);

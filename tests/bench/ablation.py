@@ -176,6 +176,13 @@ TECHNIQUES = [
         ["--texture", 0.1],
     ),
     Technique(
+        "curvature_aligned",
+        "edges are Delaunay's in the metric of the surface's curvature (flip rule 3)",
+        "core/progressive/refinement_rules.h",
+        "FlipRule flip_rule = FlipRule::curvature_aligned;",
+        "FlipRule flip_rule = FlipRule::crease_preserving;",
+    ),
+    Technique(
         "least_curvature",
         "bending is weighed against no less than noise, nor are there more rounds; here a tenth of the texture",
         CORE + "optimise_surface.cpp",
