@@ -107,7 +107,7 @@ TECHNIQUES = [
         "kept_creases",
         "flips that splits imply leave edges along creases alone",
         "core/progressive/refinement_rules.h",
-        "FlipRule flip_rule = FlipRule::crease_preserving;",
+        "FlipRule flip_rule = FlipRule::curvature_aligned;",
         "FlipRule flip_rule = FlipRule::delaunay;",
     ),
     Technique(
