@@ -9,8 +9,8 @@ namespace anyrate {
 
 /// A metric of a face's plane in which a length counts for more the more the surface bends along it: the absolute value
 /// of the curvature tensor, and a part of its mean in all directions, so that no direction counts for nothing.
-/// Triangles that are Delaunay's in it approximate the surface best (D'Azevedo and Simpson 1991, "On optimal triangular
-/// meshes for minimizing the gradient error").
+/// Of two diagonals the one that is Delaunay's in it approximates the surface best (D'Azevedo and Simpson 1989, "On
+/// optimal interpolation triangle incidences").
 struct CurvatureMetric {
     LatticeVector u, v;             ///< orthonormal, of the plane
     double xx = 0, xy = 0, yy = 0;  ///< the symmetric tensor in that basis, grid units of height for squared ones
@@ -23,6 +23,7 @@ struct CurvatureMetric {
 
 /// The metric of a face by its corners and their unit normals, which fix the curvature tensor along its three edges
 /// (Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle meshes").
+/// @param corners  grid units
 /// @return nullopt if the face has no area or the surface does not bend
 inline std::optional<CurvatureMetric> curvature_metric(const std::array<LatticeVector, 3>& corners,
                                                        const std::array<LatticeVector, 3>& normals) {
