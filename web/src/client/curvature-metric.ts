@@ -1,5 +1,6 @@
 // A step of refinable-mesh.ts: proto/FORMAT.md, "Metric"; each rounding is that of "Arithmetic".
-// D'Azevedo and Simpson 1989, "On optimal interpolation triangle incidences"; Rusinkiewicz 2004, "Estimating curvatures and their derivatives on triangle meshes".
+// D'Azevedo and Simpson 1989, "On optimal interpolation triangle incidences"; Rusinkiewicz 2004, "Estimating
+// curvatures and their derivatives on triangle meshes".
 
 /** Part of the mean curvature that lengths count for in all directions. */
 const allDirections = 0.3125;
