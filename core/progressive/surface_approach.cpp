@@ -2,15 +2,17 @@
 
 #include <cmath>
 
-#include "core/mesh/normal_fit.h"
+#include "core/mesh/edges.h"
 #include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
+#include "core/mesh/vertex_fit.h"
 #include "core/progressive/trial_batch.h"
 
 namespace anyrate {
 namespace {
 
-constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
+constexpr double bits_per_vertex = 13;   ///< that a log takes, roughly: what a split costs
+constexpr double neighbour_share = 0.4;  ///< of a neighbour's error that a split removes; 0: a pot 1 to 3 % worse
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -29,13 +31,20 @@ double squared_distance(const MeasuredMesh& now) {
 }
 
 std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
-    std::vector<double> scores(now.faces.size());
-    for (std::size_t f = 0; f < scores.size(); ++f) {
+    std::vector<double> errors(now.faces.size());
+    for (std::size_t f = 0; f < errors.size(); ++f) {
         const auto& [a, b, c] = now.mesh.triangles[f];
         const auto& v = now.mesh.vertices;
         const double area = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
         const FaceDistance& face = now.faces[f];
-        if (face.area > 0) scores[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
+        if (face.area > 0) errors[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
+    }
+    const std::vector<std::int32_t> twins = twin_halfedges(now.mesh);
+    std::vector<double> scores(errors.size());
+    for (std::size_t f = 0; f < scores.size(); ++f) {
+        double sum = errors[f];
+        for (std::size_t k = 0; k < 3; ++k) sum += neighbour_share * errors[at(twins[3 * f + k] / 3)];
+        scores[f] = sum / (1 + 3 * neighbour_share);
     }
     return scores;
 }

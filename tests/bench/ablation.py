@@ -104,6 +104,20 @@ TECHNIQUES = [
         "constexpr double first_stage = 1;",
     ),
     Technique(
+        "sliding_base",
+        "vertices of the base slide in their tangent planes to where the surface bends",
+        "core/mesh/coarse_fit.cpp",
+        "    fit_in_tangent_planes(mesh, all, meter);\n",
+        "",
+    ),
+    Technique(
+        "neighbours_share",
+        "a split's promise counts what its neighbours, which it bisects, are off",
+        "core/progressive/surface_approach.cpp",
+        "constexpr double neighbour_share = 0.4;",
+        "constexpr double neighbour_share = 0.0;",
+    ),
+    Technique(
         "kept_creases",
         "flips that splits imply leave edges along creases alone",
         "core/progressive/refinement_rules.h",

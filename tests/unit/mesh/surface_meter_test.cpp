@@ -2,15 +2,19 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "core/mesh/coarse_fit.h"
 #include "core/mesh/decimate.h"
-#include "core/mesh/normal_fit.h"
 #include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
+#include "core/mesh/vertex_fit.h"
 #include "core/simulation/parametric_meshes.h"
 
 using namespace anyrate;
@@ -31,6 +35,35 @@ Total total(const Mesh& mesh, const TrueSurface& surface) {
         sum.slope += face.gradient[0] + face.gradient[1] + face.gradient[2];
     }
     return sum;
+}
+
+std::vector<std::int32_t> all_vertices(const Mesh& mesh) {
+    std::vector<std::int32_t> all(mesh.vertices.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+}
+
+/// The octahedron with corners at distance 1 on the axes. As `n` is 2 the middles of its edges are vertices 6 to 17.
+Mesh octahedron(int n) {
+    Mesh mesh;
+    mesh.vertices = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitX(), -Vec3::UnitY(), -Vec3::UnitZ()};
+    mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2}, {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
+    if (n == 1) return mesh;
+    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
+    const auto middle = [&](std::int32_t a, std::int32_t b) {
+        const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), mesh.n_vertices());
+        if (is_new)
+            mesh.vertices.push_back(
+                0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+        return entry->second;
+    };
+    std::vector<Triangle> quarters;
+    for (const auto& [a, b, c] : std::vector<Triangle>(mesh.triangles)) {
+        const std::int32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+        quarters.insert(quarters.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+    }
+    mesh.triangles = std::move(quarters);
+    return mesh;
 }
 
 }  // namespace
@@ -67,9 +100,7 @@ TEST_CASE("Normal fit: the vertices of a coarse sphere that fits a fine one best
     SurfaceMeter meter(surface);
     Mesh mesh = icosphere(2);
     const Total inscribed = total(mesh, surface);
-    std::vector<std::int32_t> all(mesh.vertices.size());
-    std::iota(all.begin(), all.end(), 0);
-    fit_along_normals(mesh, all, meter, {.rounds = 3});
+    fit_along_normals(mesh, all_vertices(mesh), meter, {.rounds = 3});
     for (const Vec3& v : mesh.vertices) CHECK(v.norm() > 1.0);
     // Of an arc of sagitta s above its chord the mean square is 8/15 s^2, about the best parallel chord 4/45 s^2, a
     // sixth.
@@ -107,9 +138,7 @@ TEST_CASE("Coarse fit: noise of the fitted surface is averaged over, not simplif
     const TrueSurface surface(noisy, 100'000), truth(clean, 100'000);
     SurfaceMeter meter(surface), again(surface);
     Mesh in_one_stage = decimate(noisy, 600);
-    std::vector<std::int32_t> all(in_one_stage.vertices.size());
-    std::iota(all.begin(), all.end(), 0);
-    fit_along_normals(in_one_stage, all, meter, {.rounds = 3});
+    fit_along_normals(in_one_stage, all_vertices(in_one_stage), meter, {.rounds = 3});
     CHECK(total(fit_coarse_mesh(noisy, 600, again), truth).squared < total(in_one_stage, truth).squared);
 }
 
@@ -120,9 +149,7 @@ TEST_CASE("Normal fit: no move turns a face over, however far the surface is") {
     const TrueSurface surface(icosphere(5), 60'000);
     SurfaceMeter meter(surface);
     const Mesh before = lens;
-    std::vector<std::int32_t> all(lens.vertices.size());
-    std::iota(all.begin(), all.end(), 0);
-    fit_along_normals(lens, all, meter, {.most_edges = 2});
+    fit_along_normals(lens, all_vertices(lens), meter, {.most_edges = 2});
     bool any_moved = false;
     for (const auto& corners : lens.triangles) {
         const auto normal_in = [&](const Mesh& mesh) {
@@ -134,4 +161,69 @@ TEST_CASE("Normal fit: no move turns a face over, however far the surface is") {
                                      before.vertices[static_cast<std::size_t>(corners[0])];
     }
     CHECK(any_moved);
+}
+
+TEST_CASE("Tangent fit: a vertex beside a ridge slides onto it, which it cannot do along its normal") {
+    const TrueSurface surface(octahedron(1), 60'000);
+    Mesh off = octahedron(2);
+    REQUIRE(total(off, surface).squared < 1e-20);
+    const Vec3 on_ridge = off.vertices[6];                  // the ridge from x to y
+    off.vertices[6] += 0.1 * Vec3(-1, -1, 2).normalized();  // on the face towards z
+    Mesh fitted = off, along_normals = off;
+    SurfaceMeter meter(surface), another(surface);
+    for (int round = 0; round < 12; ++round) {
+        fit_in_tangent_planes(fitted, all_vertices(fitted), meter);
+        fit_along_normals(fitted, all_vertices(fitted), meter, {.most_edges = 0.25});
+        fit_along_normals(along_normals, all_vertices(along_normals), another, {.most_edges = 0.25});
+    }
+    const auto off_ridge = [](const Vec3& v) { return std::hypot(v.x() + v.y() - 1, v.z()); };
+    CHECK(off_ridge(on_ridge) < 1e-12);
+    CHECK(off_ridge(off.vertices[6]) > 0.1);
+    CHECK(off_ridge(fitted.vertices[6]) < 0.02);
+    CHECK(total(fitted, surface).squared < 0.05 * total(along_normals, surface).squared);
+}
+
+TEST_CASE("Tangent fit: a mesh that fits stays, and so do vertices that are not active") {
+    const TrueSurface surface(octahedron(1), 60'000);
+    SurfaceMeter meter(surface);
+    Mesh mesh = octahedron(2);
+    fit_in_tangent_planes(mesh, all_vertices(mesh), meter);
+    const Mesh before = octahedron(2);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) CHECK((mesh.vertices[v] - before.vertices[v]).norm() < 1e-9);
+
+    const TrueSurface sphere(icosphere(4), 60'000);
+    SurfaceMeter sphere_meter(sphere);
+    const std::vector<std::int32_t> active{7, 12};
+    fit_in_tangent_planes(mesh, active, sphere_meter);
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+        if (v != 7 && v != 12) CHECK((mesh.vertices[v] - before.vertices[v]).norm() < 1e-9);
+}
+
+TEST_CASE("Tangent fit: neither of the two slides crushes or folds a face, and a vertex without a normal stays") {
+    Mesh lens = icosphere(3);
+    for (Vec3& v : lens.vertices) v.z() *= 0.02;
+    // A vertex whose faces have no area.
+    for (Triangle& t : lens.triangles)
+        if (std::ranges::find(t, 0) != t.end())
+            for (const std::int32_t v : t) lens.vertices[static_cast<std::size_t>(v)] = lens.vertices[0];
+    const TrueSurface surface(icosphere(5), 60'000);
+    SurfaceMeter meter(surface);
+    const Mesh before = lens;
+    fit_in_tangent_planes(lens, all_vertices(lens), meter);
+    const auto area_vector = [](const Mesh& mesh, const Triangle& t) {
+        const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+        return twice_area_vector(at(0), at(1), at(2));
+    };
+    bool any_moved = false;
+    for (std::size_t v = 0; v < lens.vertices.size(); ++v) {
+        REQUIRE(lens.vertices[v].allFinite());
+        any_moved = any_moved || lens.vertices[v] != before.vertices[v];
+    }
+    CHECK(any_moved);
+    CHECK(lens.vertices[0] == before.vertices[0]);
+    for (const Triangle& t : lens.triangles) {
+        const Vec3 was = area_vector(before, t), is = area_vector(lens, t);
+        CHECK(is.norm() >= 0.6 * 0.6 * was.norm() - 1e-12);
+        CHECK(was.dot(is) >= (2 * 0.9 * 0.9 - 1) * was.norm() * is.norm() - 1e-12);  // twice the angle
+    }
 }

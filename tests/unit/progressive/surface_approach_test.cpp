@@ -53,6 +53,26 @@ TEST_CASE(
     CHECK(promised(0.9, 1.0) / promised(0.95, 1.0) == doctest::Approx(4).epsilon(0.08));
 }
 
+TEST_CASE("Approach: a face's neighbours promise a part of its error, all together no more than there is") {
+    MeasuredMesh now{icosphere(2), std::vector<FaceDistance>(320, FaceDistance{.area = 1})};
+    const Triangle corners = now.mesh.triangles[50];
+    now.faces[50].squared = 4;
+    const std::vector<double> scores = distance_scores(now);
+    const auto n_shared = [&](const Triangle& t) {
+        return std::ranges::count_if(t, [&](std::int32_t v) { return std::ranges::find(corners, v) != corners.end(); });
+    };
+    const auto& v = now.mesh.vertices;
+    const double error =
+        2 * 0.5 * (v[at(corners[1])] - v[at(corners[0])]).cross(v[at(corners[2])] - v[at(corners[0])]).norm();
+    double sum = 0;
+    for (std::size_t f = 0; f < scores.size(); ++f) {
+        sum += scores[f];
+        const double part = f == 50 ? 1 : n_shared(now.mesh.triangles[f]) == 2 ? 0.4 : 0;
+        CHECK(scores[f] == doctest::Approx(part * error / 2.2));
+    }
+    CHECK(sum == doctest::Approx(error));
+}
+
 TEST_CASE("Approach: a face that bulges promises most") {
     Mesh mesh = icosphere(3);
     for (const std::int32_t v : mesh.triangles[100]) mesh.vertices[at(v)] *= 1.1;

@@ -22,4 +22,8 @@ struct FitOptions {
 std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
                                       const FitOptions& options);
 
+/// Moves vertices within their tangent planes, in two perpendicular directions one after the other, so that the squared
+/// distance becomes least: onto ridges and to where the surface bends, which no move along a normal can do.
+void fit_in_tangent_planes(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter);
+
 }  // namespace anyrate

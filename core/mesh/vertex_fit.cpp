@@ -1,6 +1,7 @@
-#include "core/mesh/normal_fit.h"
+#include "core/mesh/vertex_fit.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
@@ -115,10 +116,20 @@ std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDis
     return costs;
 }
 
-/// Takes back the moves of faces that they turned by more than 60 degrees, until none is left: the next measurement
-/// would take the face for one of the other side.
-void take_back_turned(Mesh& mesh, std::span<const Vec3> before) {
-    constexpr double least_cosine = 0.5;
+/// What a move leaves of a face.
+struct FaceLimits {
+    double least_cosine = 0;  ///< between its normals before and after
+    double least_area = 0;    ///< in parts of what it was
+};
+
+/// A face that turns by more than 60 degrees, the next measurement would take for one of the other side.
+constexpr FaceLimits not_turned{.least_cosine = 0.5};
+/// Slides fold and crush faces before they turn them over: without these limits a pot passes through itself in 12
+/// pairs.
+constexpr FaceLimits not_crushed{.least_cosine = 0.9, .least_area = 0.6};
+
+/// Takes back the moves of faces that are beyond the limits, until none is left.
+void take_back_beyond(const FaceLimits& limits, Mesh& mesh, std::span<const Vec3> before) {
     const auto normal_of = [](std::span<const Vec3> v, const Triangle& t) {
         return twice_area_vector(v[at(t[0])], v[at(t[1])], v[at(t[2])]);
     };
@@ -126,7 +137,9 @@ void take_back_turned(Mesh& mesh, std::span<const Vec3> before) {
         any = false;
         for (const Triangle& t : mesh.triangles) {
             const Vec3 was = normal_of(before, t), is = normal_of(mesh.vertices, t);
-            if (was.dot(is) >= least_cosine * was.norm() * is.norm()) continue;
+            if (was.dot(is) >= limits.least_cosine * was.norm() * is.norm() &&
+                is.norm() >= limits.least_area * was.norm())
+                continue;
             for (const std::int32_t v : t) {
                 any = any || mesh.vertices[at(v)] != before[at(v)];
                 mesh.vertices[at(v)] = before[at(v)];
@@ -135,26 +148,55 @@ void take_back_turned(Mesh& mesh, std::span<const Vec3> before) {
     }
 }
 
+struct Moves {
+    double most_edges = 0;  ///< that a vertex moves, in parts of its mean edge length
+    double damping = 0;
+    FaceLimits faces;
+};
+
+/// One round: measures, and moves the active vertices along the directions.
+/// @param directions  unit, one per vertex of the mesh
+/// @return the distances before, one per face
+std::vector<FaceDistance> fit_along(Mesh& mesh, std::span<const std::int32_t> active, std::span<const Vec3> directions,
+                                    SurfaceMeter& meter, const Moves& moves) {
+    std::vector<FaceDistance> distances = meter.measure(mesh, directions);
+    const std::vector<double> u = Quadratic(mesh, active, distances, moves.damping).minimum();
+    const std::vector<double> edges = mean_edge_lengths(mesh);
+    const std::vector<Vec3> before(mesh.vertices);
+    for (std::size_t i = 0; i < active.size(); ++i) {
+        const std::size_t v = at(active[i]);
+        const double most = moves.most_edges * edges[v];
+        mesh.vertices[v] += std::clamp(u[i], -most, most) * directions[v];
+    }
+    take_back_beyond(moves.faces, mesh, before);
+    return distances;
+}
+
 }  // namespace
 
 std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
                                       const FitOptions& options) {
     std::vector<double> costs;
+    const Moves moves{.most_edges = options.most_edges, .damping = options.damping, .faces = not_turned};
     for (int round = 0; round < options.rounds; ++round) {
-        const std::vector<Vec3> normals = vertex_normals(mesh);
-        const std::vector<FaceDistance> faces = meter.measure(mesh, normals);
-        const std::vector<double> u = Quadratic(mesh, active, faces, options.damping).minimum();
-        const std::vector<double> edges = mean_edge_lengths(mesh);
-        const std::vector<Vec3> before(mesh.vertices);
-        for (std::size_t i = 0; i < active.size(); ++i) {
-            const std::size_t v = at(active[i]);
-            const double most = options.most_edges * edges[v];
-            mesh.vertices[v] += std::clamp(u[i], -most, most) * normals[v];
-        }
-        take_back_turned(mesh, before);
-        if (round + 1 == options.rounds) costs = displacement_costs(mesh, faces);
+        const std::vector<FaceDistance> distances = fit_along(mesh, active, vertex_normals(mesh), meter, moves);
+        if (round + 1 == options.rounds) costs = displacement_costs(mesh, distances);
     }
     return costs;
+}
+
+void fit_in_tangent_planes(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter) {
+    // Damped more: where the surface hardly bends, distances tell little of where a vertex is to go.
+    constexpr Moves slides{.most_edges = 0.15, .damping = 0.3, .faces = not_crushed};
+    std::vector<Vec3> normals = vertex_normals(mesh), directions(normals.size());
+    const auto is_unit = [](const Vec3& n) { return std::abs(n.squaredNorm() - 1) < 1e-6; };
+    for (std::size_t v = 0; v < normals.size(); ++v) {
+        if (!is_unit(normals[v])) normals[v] = Vec3::Zero();
+        directions[v] = is_unit(normals[v]) ? normals[v].unitOrthogonal() : Vec3::Zero();
+    }
+    fit_along(mesh, active, directions, meter, slides);
+    for (std::size_t v = 0; v < normals.size(); ++v) directions[v] = normals[v].cross(directions[v]);
+    fit_along(mesh, active, directions, meter, slides);
 }
 
 }  // namespace anyrate
