@@ -58,7 +58,7 @@ class EncodeMesh(unittest.TestCase):
         for budget in (N_COARSE, 700, N_VERTICES):
             told = must("compare", self.mesh_of("--vertices", budget), surface(), "--json").stdout
             errors.append(json.loads(told)["mean"])
-        self.assertLess(errors[1], 0.7 * errors[0])
+        self.assertLess(errors[1], 0.9 * errors[0])  # the base's vertices are placed more freely than those of splits
         self.assertLess(errors[2], 0.7 * errors[1])
 
     def test_a_distortion_budget_is_in_squared_grid_units(self):
