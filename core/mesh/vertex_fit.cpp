@@ -148,9 +148,10 @@ void take_back_beyond(const FaceLimits& limits, Mesh& mesh, std::span<const Vec3
     }
 }
 
+/// What a round may do.
 struct Moves {
     double most_edges = 0;  ///< that a vertex moves, in parts of its mean edge length
-    double damping = 0;
+    double damping = 0;     ///< see FitOptions
     FaceLimits faces;
 };
 
@@ -188,11 +189,13 @@ std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> 
 void fit_in_tangent_planes(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter) {
     // Damped more: where the surface hardly bends, distances tell little of where a vertex is to go.
     constexpr Moves slides{.most_edges = 0.15, .damping = 0.3, .faces = not_crushed};
-    std::vector<Vec3> normals = vertex_normals(mesh), directions(normals.size());
-    const auto is_unit = [](const Vec3& n) { return std::abs(n.squaredNorm() - 1) < 1e-6; };
+    std::vector<Vec3> normals = vertex_normals(mesh), directions(normals.size(), Vec3::Zero());
     for (std::size_t v = 0; v < normals.size(); ++v) {
-        if (!is_unit(normals[v])) normals[v] = Vec3::Zero();
-        directions[v] = is_unit(normals[v]) ? normals[v].unitOrthogonal() : Vec3::Zero();
+        const bool has_plane = std::abs(normals[v].squaredNorm() - 1) < 1e-6;
+        if (has_plane)
+            directions[v] = normals[v].unitOrthogonal();
+        else
+            normals[v].setZero();
     }
     fit_along(mesh, active, directions, meter, slides);
     for (std::size_t v = 0; v < normals.size(); ++v) directions[v] = normals[v].cross(directions[v]);

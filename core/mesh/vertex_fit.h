@@ -22,8 +22,12 @@ struct FitOptions {
 std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
                                       const FitOptions& options);
 
-/// Moves vertices within their tangent planes, in two perpendicular directions one after the other, so that the squared
-/// distance becomes least: onto ridges and to where the surface bends, which no move along a normal can do.
+/// Moves vertices within their tangent planes, in two perpendicular directions one after the other, so that the same
+/// distance becomes less: onto ridges and to where the surface bends, which no move along a normal can do. No face
+/// shrinks or turns much; a vertex whose faces have no area stays. With fit_along_normals() in turns it is what Hoppe
+/// et al. 1993, "Mesh optimization", do with all three coordinates at once.
+/// @param mesh    closed; world units
+/// @param active  the vertices that may move, ascending
 void fit_in_tangent_planes(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter);
 
 }  // namespace anyrate

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/mesh/edges.h"
 #include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/vertex_fit.h"
@@ -19,8 +18,10 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
-    MeasuredMesh now{state.to_mesh(), {}};
+    MeasuredMesh now{state.to_mesh(), {}, {}};
     now.faces = meter.measure(now.mesh, vertex_normals(now.mesh));
+    now.twins.resize(3 * now.faces.size());
+    for (std::size_t h = 0; h < now.twins.size(); ++h) now.twins[h] = state.twin(static_cast<std::int32_t>(h));
     return now;
 }
 
@@ -39,11 +40,10 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
         const FaceDistance& face = now.faces[f];
         if (face.area > 0) errors[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
     }
-    const std::vector<std::int32_t> twins = twin_halfedges(now.mesh);
     std::vector<double> scores(errors.size());
     for (std::size_t f = 0; f < scores.size(); ++f) {
         double sum = errors[f];
-        for (std::size_t k = 0; k < 3; ++k) sum += neighbour_share * errors[at(twins[3 * f + k] / 3)];
+        for (std::size_t k = 0; k < 3; ++k) sum += neighbour_share * errors[at(now.twins[3 * f + k] / 3)];
         scores[f] = sum / (1 + 3 * neighbour_share);
     }
     return scores;

@@ -14,6 +14,7 @@ namespace anyrate {
 struct MeasuredMesh {
     Mesh mesh;
     std::vector<FaceDistance> faces;
+    std::vector<std::int32_t> twins;  ///< the halfedge along the other side of each, see twin_halfedges()
 };
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter);

@@ -43,12 +43,17 @@ std::vector<std::int32_t> all_vertices(const Mesh& mesh) {
     return all;
 }
 
-/// The octahedron with corners at distance 1 on the axes. As `n` is 2 the middles of its edges are vertices 6 to 17.
-Mesh octahedron(int n) {
+/// The octahedron with corners at distance 1 on the axes.
+Mesh octahedron() {
     Mesh mesh;
     mesh.vertices = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitX(), -Vec3::UnitY(), -Vec3::UnitZ()};
     mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2}, {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
-    if (n == 1) return mesh;
+    return mesh;
+}
+
+/// The same surface, each face four: the middles of the edges are vertices 6 to 17.
+Mesh octahedron_in_quarters() {
+    Mesh mesh = octahedron();
     std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
     const auto middle = [&](std::int32_t a, std::int32_t b) {
         const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), mesh.n_vertices());
@@ -164,8 +169,8 @@ TEST_CASE("Normal fit: no move turns a face over, however far the surface is") {
 }
 
 TEST_CASE("Tangent fit: a vertex beside a ridge slides onto it, which it cannot do along its normal") {
-    const TrueSurface surface(octahedron(1), 60'000);
-    Mesh off = octahedron(2);
+    const TrueSurface surface(octahedron(), 60'000);
+    Mesh off = octahedron_in_quarters();
     REQUIRE(total(off, surface).squared < 1e-20);
     const Vec3 on_ridge = off.vertices[6];                  // the ridge from x to y
     off.vertices[6] += 0.1 * Vec3(-1, -1, 2).normalized();  // on the face towards z
@@ -184,11 +189,11 @@ TEST_CASE("Tangent fit: a vertex beside a ridge slides onto it, which it cannot 
 }
 
 TEST_CASE("Tangent fit: a mesh that fits stays, and so do vertices that are not active") {
-    const TrueSurface surface(octahedron(1), 60'000);
+    const TrueSurface surface(octahedron(), 60'000);
     SurfaceMeter meter(surface);
-    Mesh mesh = octahedron(2);
+    Mesh mesh = octahedron_in_quarters();
     fit_in_tangent_planes(mesh, all_vertices(mesh), meter);
-    const Mesh before = octahedron(2);
+    const Mesh before = octahedron_in_quarters();
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) CHECK((mesh.vertices[v] - before.vertices[v]).norm() < 1e-9);
 
     const TrueSurface sphere(icosphere(4), 60'000);

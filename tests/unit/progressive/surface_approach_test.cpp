@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/edges.h"
 #include "core/progressive/batch_selection.h"
 #include "core/simulation/parametric_meshes.h"
 #include "tests/grid_scenes.h"
@@ -54,7 +55,8 @@ TEST_CASE(
 }
 
 TEST_CASE("Approach: a face's neighbours promise a part of its error, all together no more than there is") {
-    MeasuredMesh now{icosphere(2), std::vector<FaceDistance>(320, FaceDistance{.area = 1})};
+    const Mesh sphere = icosphere(2);
+    MeasuredMesh now{sphere, std::vector<FaceDistance>(320, FaceDistance{.area = 1}), twin_halfedges(sphere)};
     const Triangle corners = now.mesh.triangles[50];
     now.faces[50].squared = 4;
     const std::vector<double> scores = distance_scores(now);
