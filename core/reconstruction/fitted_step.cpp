@@ -3,19 +3,13 @@
 #include "core/mesh/surface_meter.h"
 #include "core/progressive/batch_selection.h"
 #include "core/progressive/surface_approach.h"
+#include "core/reconstruction/pixel_footprint.h"
 
 namespace anyrate {
 namespace {
 
 constexpr int fewest_points = 60'000;  ///< to measure a mesh by; with 40,000 the pot is up to 1 % worse
 constexpr double noise_px = 0.05;      ///< of a surface that was fitted to good images; 0: pot at 5,000 1 % worse
-
-/// What a pixel covers at a place, world units: the mean over the views.
-double pixel_at(const Vec3& place, const PhotoImages& images) {
-    double sum = 0;
-    for (const PhotoView& view : images.views) sum += (view.centre - place).norm() / view.focal_px;
-    return images.n_views() > 0 ? sum / images.n_views() : 0.0;
-}
 
 Vec3 mean_vertex(const Mesh& mesh) {
     Vec3 sum = Vec3::Zero();
@@ -31,11 +25,11 @@ std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const 
     SurfaceMeter meter(scene.fitted, fewest_points);
     const MeasuredMesh measured = measure(state, meter);
     const std::vector<char> none_rejected(measured.faces.size(), 0);
-    const double noise = noise_px * pixel_at(mean_vertex(measured.mesh), scene.images);
+    const double noise = noise_px * pixel_footprint(mean_vertex(measured.mesh), scene.images);
     const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured, noise),
                                                     scene.guessed.vertices(measured.mesh), none_rejected, options);
     const std::vector<std::int32_t> batch =
-        select_batch(state, scores, batch_size(state.n_vertices(), options.approach_growth, options).taken);
+        select_batch(state, scores, batch_size(state.n_vertices(), options.growth, options).taken);
     if (batch.empty()) return std::nullopt;
     const BatchTargets targets = fit_batch(state, batch, meter);
     RefinementStep step{state, {}, {}};

@@ -199,7 +199,7 @@ std::optional<RefinementStep> follow_images(const RefinableMesh& state, const St
                                             std::vector<char>& is_rejected) {
     const Mesh mesh = state.to_mesh();
     const std::vector<char> is_guessed = scene.guessed.vertices(mesh);
-    const BatchSize size = batch_size(state.n_vertices(), options.growth, options);
+    const BatchSize size = batch_size(state.n_vertices(), options.followed_growth, options);
     const std::vector<double> scores = split_scores(mesh, photo_scores(now.terms), is_guessed, is_rejected, options);
     const std::vector<std::int32_t> batch = select_batch(state, scores, size.tried);
     if (batch.empty()) return std::nullopt;

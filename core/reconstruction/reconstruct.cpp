@@ -21,6 +21,7 @@
 #include "core/reconstruction/initial_mesh.h"
 #include "core/reconstruction/mask_growth.h"
 #include "core/reconstruction/optimise_surface.h"
+#include "core/reconstruction/pixel_footprint.h"
 #include "core/reconstruction/preview.h"
 #include "core/reconstruction/refine.h"
 #include "core/reconstruction/state_attributes.h"
@@ -31,19 +32,21 @@
 namespace anyrate {
 namespace {
 
-constexpr int coarsest_level = 3;        ///< of the pyramid, where the coarse mesh starts to move
-constexpr double even_density = 1.6;     ///< coarse counts of vertices in the even mesh, before it is subdivided
-constexpr double even_detail = 0.1;      ///< see RemeshOptions; 0: coarse levels lose thin parts, pot 5 % worse
-constexpr double simplified_part = 0.3;  ///< of the fine surface's vertices, before it is subdivided; 0.2: 1 % worse
-constexpr double fine_over_log = 1.2;    ///< vertices of the log that approaches it, if the even mesh has fewer
-constexpr int log_steps = 160;           ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
-constexpr int noisy_log_steps = 80;     ///< where images disagree too much to be followed: finer steps send their noise
-constexpr double approached_part = 8;   ///< coarse counts of vertices up to which the log approaches that surface
-constexpr int samples_per_vertex = 10;  ///< of that surface, which stand for it when the base is fitted
-constexpr int fewest_even = 1000;       ///< vertices of that mesh: fewer may not carry the surface
-constexpr double least_shift_px = 0.1;  ///< of the views, root mean square: good cameras measure less than 0.09
-constexpr double least_growth_px = 0.5;   ///< of the masks: good ones measure less than 0.25
-constexpr double contour_reach_px = 8.0;  ///< while contours are still on their way
+constexpr int coarsest_level = 3;          ///< of the pyramid, where the coarse mesh starts to move
+constexpr int usual_even = 4000;           ///< vertices in the even mesh, before it is subdivided
+constexpr double even_density = 1.6;       ///< coarse counts of vertices there, if that is more
+constexpr double least_density = 0.5;      ///< coarse counts there however few the photographs resolve
+constexpr int fewest_even = 1000;          ///< vertices there: fewer may not carry the surface
+constexpr double even_detail = 0.1;        ///< see RemeshOptions; 0: coarse levels lose thin parts, pot 5 % worse
+constexpr double simplified_part = 0.3;    ///< of the fine surface's vertices, before it is subdivided; 0.2: 1 % worse
+constexpr double fine_over_log = 1.2;      ///< vertices of the log that approaches it, if the even mesh has fewer
+constexpr int log_steps = 160;             ///< an edge; with 80 errors are 4 to 6 % larger, for 7 to 10 % less bytes
+constexpr int noisy_log_steps = 80;        ///< where images disagree more than the next tells: finer ones send noise
+constexpr double most_credible_psi = 600;  ///< squared colour units: the Oxford dinosaur has 1,280, a pot 84
+constexpr int samples_per_vertex = 10;     ///< of that surface, which stand for it when the base is fitted
+constexpr double least_shift_px = 0.1;     ///< of the views, root mean square: good cameras measure less than 0.09
+constexpr double least_growth_px = 0.5;    ///< of the masks: good ones measure less than 0.25
+constexpr double contour_reach_px = 8.0;   ///< while contours are still on their way
 constexpr int smallest_count = 100, largest_count = 1'000'000;
 
 void check(const ReconstructOptions& options) {
@@ -82,12 +85,25 @@ struct Start {
     Silhouettes silhouettes;
     GuessedSurface guessed;
     Mesh mesh;
+    int n_resolved = 0;                     // vertices, see resolved_vertices()
     std::vector<Gains> gains;               // that the colours were divided by
     std::vector<std::vector<Vec2>> shifts;  // of the views, each time they were moved
 };
 
+/// The mesh that step 2 starts from. Only the paper's baseline moves the vertices that are asked for: the others are
+/// simplified from a mesh that has no fewer the fewer are asked for, so that a small log loses nothing but vertices,
+/// and none that the photographs do not resolve (n_resolved).
+RemeshOptions remesh_options(const ReconstructOptions& options, int n_resolved) {
+    if (options.method == Method::flow) return {.n_vertices = options.n_vertices};
+    const int n_wanted = std::max(usual_even, static_cast<int>(even_density * options.n_coarse));
+    const int n_resolved_by_even = n_resolved / 4;  // it is subdivided
+    return {.n_vertices = std::max({std::min(n_wanted, n_resolved_by_even),
+                                    static_cast<int>(least_density * options.n_coarse), fewest_even}),
+            .detail = even_detail};
+}
+
 /// Step 1: hull, Poisson, remesh.
-Start make_start(Capture capture, const RemeshOptions& remesh, const CaptureFrame& frame, ModelSink& sink,
+Start make_start(Capture capture, const ReconstructOptions& options, const CaptureFrame& frame, ModelSink& sink,
                  const ProgressFn& tell) {
     PhotoImages images = make_photo_images(capture);
     for (View& view : capture.views) view.image = {};  // from here on the masks will do
@@ -98,12 +114,19 @@ Start make_start(Capture capture, const RemeshOptions& remesh, const CaptureFram
     InitialSurface initial = initial_surface(hull, images, tell);
     give_back_freed_memory();
     tell({Stage::remesh, 0, 0, 0});
+    const int n_resolved = resolved_vertices(initial.mesh, images);
     Mesh mesh;
     std::optional<Silhouettes> silhouettes;
-    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, remesh); }, [&] { silhouettes.emplace(capture); });
+    parallel_invoke([&] { mesh = remesh_isotropic(initial.mesh, remesh_options(options, n_resolved)); },
+                    [&] { silhouettes.emplace(capture); });
     std::vector<Gains> gains = even_out_exposure(images, mesh);
-    return {std::move(images), std::move(*silhouettes), std::move(initial.guessed),
-            std::move(mesh),   std::move(gains),        {}};
+    return {std::move(images),
+            std::move(*silhouettes),
+            std::move(initial.guessed),
+            std::move(mesh),
+            n_resolved,
+            std::move(gains),
+            {}};
 }
 
 /// Step 2 of Method::flow. @return Psi before each iteration and at the end
@@ -186,9 +209,10 @@ Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int
 
 /// The optimised surface again, with its vertices where it bends: simplified by quadrics, subdivided and optimised. The
 /// even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief.
-/// @param n_approaching  vertices that the log will have when it stops to approach it
-Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const std::stop_token& stop) {
-    const int n_vertices = std::max(start.mesh.n_vertices(), static_cast<int>(fine_over_log * n_approaching));
+/// @param n_log  vertices of the log that will approach it
+Mesh fine_surface(PhotoBackend& backend, Start& start, int n_log, const std::stop_token& stop) {
+    const int n_wanted = static_cast<int>(fine_over_log * n_log);
+    const int n_vertices = std::max(start.mesh.n_vertices(), std::min(n_wanted, start.n_resolved));
     Mesh fine = subdivide(decimate(start.mesh, static_cast<int>(simplified_part * n_vertices)));
     optimise_surface(backend, start.silhouettes, fine.vertices, fine.triangles, {}, start.guessed.vertices(fine), {},
                      stop);
@@ -197,12 +221,11 @@ Mesh fine_surface(PhotoBackend& backend, Start& start, int n_approaching, const 
     return fine;
 }
 
-/// The refinement's options, as far as the state at its start decides them.
 RefineOptions refine_options(const ReconstructOptions& options) {
     RefineOptions refinement;
     refinement.n_vertices = options.n_vertices;
-    refinement.n_approached = static_cast<int>(approached_part * options.n_coarse);
     refinement.by_area = options.method == Method::uniform;
+    refinement.follows_images = options.follows_images || refinement.by_area;
     return refinement;
 }
 
@@ -216,8 +239,7 @@ struct SentBase {
 /// sink has numbered it, which changes Psi's seventh digit (bowl).
 SentBase send_base(const BaseMesh& base, const Grid& grid, const CaptureFrame& frame, const PhotoImages& images,
                    PhotoBackend& backend, const ReconstructOptions& options, ModelSink& sink) {
-    const bool is_noisy =
-        measure_surface(backend, RefinableMesh(base, grid, {}).to_mesh()) > refine_options(options).most_credible_psi;
+    const bool is_noisy = measure_surface(backend, RefinableMesh(base, grid, {}).to_mesh()) > most_credible_psi;
     const RefinementRules rules{.step_ratio = is_noisy ? noisy_log_steps : log_steps};
     RefinableMesh state(sink.start(frame.in_world(grid), rules, base), grid, rules);
     const StateAttributes attributes = state_attributes(backend, images, state, 0, refine_options(options));
@@ -276,11 +298,8 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     const CaptureFrame frame = to_own_frame(capture);
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
-    RemeshOptions remesh{.n_vertices = n_base};
-    if (!fixed_rate)
-        remesh = {.n_vertices = std::max(fewest_even, static_cast<int>(even_density * n_base)), .detail = even_detail};
-    Start start = make_start(std::move(capture), remesh, frame, sink, tell);
-    auto& [images, silhouettes, guessed, mesh, gains, shifts] = start;
+    Start start = make_start(std::move(capture), options, frame, sink, tell);
+    auto& [images, silhouettes, guessed, mesh, n_resolved, gains, shifts] = start;
 
     const auto backend = options.backend(images, Sampling::adaptive);
     // One of its own where two surfaces are looked at in turns or samples are shared out otherwise: a device need not
@@ -298,8 +317,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
         guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
         give_back_freed_memory();
     }
-    const int n_approaching = std::min(options.n_vertices, refine_options(options).n_approached);
-    Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, n_approaching, stop);
+    Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, options.n_vertices, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};
     std::optional<TrueSurface> fitted;
     Mesh first_stage;

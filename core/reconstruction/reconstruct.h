@@ -14,7 +14,7 @@
 namespace anyrate {
 
 enum class Method {
-    refine,   ///< the method: coarse mesh, optimise, split where the images disagree most
+    refine,   ///< the method: optimise, simplify to the coarse mesh, split where most error is left
     flow,     ///< the paper's baseline: remesh to the full count, then plain surface flow
     uniform,  ///< refine, but splitting the largest faces instead of the most distorted
 };
@@ -24,6 +24,7 @@ struct ReconstructOptions {
     int n_coarse = 2'500;
     std::uint64_t seed = 1;
     Method method = Method::refine;
+    bool follows_images = false;                ///< see RefineOptions; so does Method::uniform
     Sampling sampling = Sampling::adaptive;     ///< of step 2; step 3 and every Psi that is told sample adaptively
     double samples_per_px = 1.0;                ///< C of Eq. 7 in the surface flow (`Method::flow`)
     BackendFactory backend = make_cpu_backend;  ///< who computes photo-consistency

@@ -17,11 +17,6 @@ bool has_room(const RefinableMesh& state, const RefineOptions& options) {
     return state.n_vertices() + 3 <= options.n_vertices;
 }
 
-/// Whether the next batch approaches the fitted surface whatever the images say of the state.
-bool is_approaching(const RefinableMesh& state, const RefineOptions& options) {
-    return !options.by_area && state.n_vertices() < options.n_approached;
-}
-
 /// The next batch.
 /// @param now          of the state; gets its terms if they are needed
 /// @param is_rejected  one flag a face
@@ -29,8 +24,7 @@ bool is_approaching(const RefinableMesh& state, const RefineOptions& options) {
 std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistortion& now, PhotoBackend& backend,
                                         const RefinementScene& scene, const RefineOptions& options,
                                         const std::stop_token& stop, std::vector<char>& is_rejected) {
-    const bool is_credible = options.by_area || now.point.mean <= options.most_credible_psi;
-    if (is_approaching(state, options) || !is_credible) return approach_fitted(state, scene, options);
+    if (!options.follows_images) return approach_fitted(state, scene, options);
     if (now.terms.empty()) now = measure_state(backend, state, options.samples_per_px);
     std::optional<RefinementStep> step = follow_images(state, now, backend, scene, options, stop, is_rejected);
     return step && !step->records.empty() ? std::move(step) : std::nullopt;
@@ -71,8 +65,7 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
         state = std::move(step->state);
         run_beside(
             [&] {
-                if (has_room(state, options) && is_approaching(state, options))
-                    ahead = approach_fitted(state, scene, options);
+                if (has_room(state, options) && !options.follows_images) ahead = approach_fitted(state, scene, options);
             },
             [&] {
                 now = send_batch(step->records, std::move(step->distortion), state, backend, scene, options, sink);

@@ -15,11 +15,11 @@ namespace anyrate {
 /// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
 /// moving the three middles is expected to bring and by a part of phi, which alone stays high at texture edges that no
 /// split can mend.
-/// A log's first batches (RefineOptions::n_approached) bring its state nearer to the fitted surface instead, which
-/// knows more than the images tell of facets as coarse as theirs; so do the later ones where the images disagree too
-/// much to be taken for witnesses (most_credible_psi). A batch that approaches it below that count is fitted while the
-/// one before is measured and sent. Backend, sink and progress are called on the calling thread, a batch's progress
-/// before the sink has anything of the next.
+/// Unless RefineOptions::follows_images, the batches bring the state nearer to the fitted surface instead, which the
+/// images have been asked about at a size of facets that they are best witnesses of: coarser ones they see through
+/// paint that is none of theirs, finer ones follow noise. Such a batch is fitted while the one before is measured and
+/// sent. Backend, sink and progress are called on the calling thread, a batch's progress before the sink has anything
+/// of the next.
 /// @param rejected  one flag a face whose split the images did not bear out: all that is remembered from batch to
 ///                  batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
 ///                  that would have followed, bit for bit.

@@ -16,16 +16,11 @@ namespace anyrate {
 
 struct RefineOptions {
     int n_vertices = 10'000;
-    double growth = 0.16;        ///< vertices a batch adds, in parts of what is there; 0.12 is no better, 0.2 is worse
     double smallest_area = 0.2;  ///< faces below this part of the mean area are not split
-    /// Of a state on which the images disagree more than this (squared colour units) they are no witness of what its
-    /// vertices are to do: the splits approach the fitted surface instead. The Oxford dinosaur has 1,280, the synthetic
-    /// captures 12 to 84. Its images followed, 58 faces of 10,000 vertices cut others, else none, and 20,000 vertices
-    /// take 43 KB of geometry instead of 30.
-    double most_credible_psi = 600;
-    double approach_growth = 0.15;  ///< instead of `growth` there; pot at 5,000: with 0.2 2 % worse, 0.12 no better
-    double bit_price = 0.25;        ///< there, see EncodeMeshOptions; pot at 5,000: with 0.5 1 % worse, 3 % less bytes
-    int n_approached = 0;           ///< the splits approach it below this count, too, whatever the images say
+    double growth = 0.15;     ///< vertices a batch adds, in parts of what is there; 0.2: pot 2 % worse, 0.12 the same
+    double bit_price = 0.25;  ///< see EncodeMeshOptions; pot at 5,000: with 0.5 1 % worse, 3 % less bytes
+    bool follows_images = false;    ///< as the paper's splits do, instead of approaching the fitted surface
+    double followed_growth = 0.16;  ///< instead of `growth` then; 0.12 is no better, 0.2 is worse
     bool by_area = false;           ///< split the largest faces instead of the most promising (`--method uniform`)
     double samples_per_px = 1.0;
 };

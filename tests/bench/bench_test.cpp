@@ -121,13 +121,16 @@ TEST_CASE("keep_every, crop, resample: views and sizes are those asked for") {
     Capture capture = sphere_capture(11, 80);
     bench::keep_every(capture, 2);
     CHECK(capture.views.size() == 6);
-    bench::resample_every_other(capture, 0.75);
+    bench::resample(capture, 0.75, 2);
     CHECK(capture.views[0].image.width == 60);
     CHECK(capture.views[1].image.width == 80);
-    bench::crop(capture, 0.5, 1);
+    bench::resample(capture, 0.5);
     CHECK(capture.views[0].image.width == 30);
-    CHECK(capture.views[1].mask.height == 30);
-    CHECK(capture.views[1].camera.width == 40);
+    CHECK(capture.views[1].mask.height == 40);
+    bench::crop(capture, 0.5, 1);
+    CHECK(capture.views[0].image.width == 15);
+    CHECK(capture.views[1].mask.height == 20);
+    CHECK(capture.views[1].camera.width == 20);
 }
 
 TEST_CASE("crop: a point of the world has the same colour and mask as before, wherever it is still in the image") {

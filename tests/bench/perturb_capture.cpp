@@ -2,7 +2,8 @@
 // the order of the list below. If CAPTURE is a folder with a gt.ply, OUT gets one in its own world.
 //
 // usage: perturb_capture CAPTURE -o OUT [--cameras FILE] [--seed N] [--keep-every N] [--texture PART] [--gain PART]
-//            [--grow-masks PX] [--pose-noise PX] [--resample FACTOR] [--crop PART] [--scale S] [--origin X,Y,Z]
+//            [--grow-masks PX] [--pose-noise PX] [--resample FACTOR] [--resolution FACTOR] [--crop PART] [--scale S]
+//            [--origin X,Y,Z]
 // prints {"views", "masks": share of the pixels}
 #include <filesystem>
 #include <optional>
@@ -22,7 +23,7 @@ struct Request {
     LoadOptions load;
     std::uint64_t seed = 1;
     int keep_every = 1, grow_masks = 0;
-    double texture = 1, gain = 0, pose_noise = 0, resample = 1, crop = 1, scale = 1;
+    double texture = 1, gain = 0, pose_noise = 0, resample = 1, resolution = 1, crop = 1, scale = 1;
     std::vector<double> origin = {0, 0, 0};
 };
 
@@ -50,7 +51,8 @@ bench::Json perturb(const Request& request) {
     if (request.gain > 0) bench::change_gain(capture, request.gain, request.seed);
     if (request.grow_masks != 0) bench::grow_masks(capture, request.grow_masks);
     if (request.pose_noise > 0) bench::disturb_poses(capture, request.pose_noise, request.seed);
-    if (request.resample != 1) bench::resample_every_other(capture, request.resample);
+    if (request.resample != 1) bench::resample(capture, request.resample, 2);
+    if (request.resolution != 1) bench::resample(capture, request.resolution);
     if (request.crop < 1) bench::crop(capture, request.crop, request.seed);
     const Vec3 origin(request.origin[0], request.origin[1], request.origin[2]);
     bench::move_world(capture, request.scale, origin);
@@ -80,6 +82,8 @@ int main(int argc, char** argv) {
     app.add_option("--pose-noise", request.pose_noise, "pixels that every camera is off")
         ->check(CLI::Range(0.0, 100.0));
     app.add_option("--resample", request.resample, "0.75: every other view at 75 %")->check(CLI::Range(0.1, 4.0));
+    app.add_option("--resolution", request.resolution, "0.5: every view at half its width and height")
+        ->check(CLI::Range(0.1, 4.0));
     app.add_option("--crop", request.crop, "0.7: views cut to 70 % of width and height")->check(CLI::Range(0.1, 1.0));
     app.add_option("--scale", request.scale, "of the world")->check(CLI::PositiveNumber);
     app.add_option("--origin", request.origin, "where the world's old origin comes to lie")

@@ -50,11 +50,11 @@ void move_world(Mesh& mesh, double scale, const Vec3& origin) {
     for (Vec3& vertex : mesh.vertices) vertex = scale * vertex + origin;
 }
 
-void resample_every_other(Capture& capture, double factor) {
+void resample(Capture& capture, double factor, std::size_t step) {
     parallel_for(
-        (capture.views.size() + 1) / 2,
+        (capture.views.size() + step - 1) / step,
         [&](std::size_t i) {
-            View& view = capture.views[2 * i];
+            View& view = capture.views[step * i];
             const int width = static_cast<int>(std::lround(factor * view.image.width));
             const int height = static_cast<int>(std::lround(factor * view.image.height));
             view = look_through(view, {-0.5, -0.5, double(view.image.width), double(view.image.height)}, width, height);

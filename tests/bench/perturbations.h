@@ -11,8 +11,8 @@ namespace anyrate::bench {
 void move_world(Capture& capture, double scale, const Vec3& origin);
 void move_world(Mesh& mesh, double scale, const Vec3& origin);
 
-/// Every other view, the first among them, is resampled to `factor` of its size.
-void resample_every_other(Capture& capture, double factor);
+/// Every `step`-th view, the first among them, is resampled to `factor` of its width and height.
+void resample(Capture& capture, double factor, std::size_t step = 1);
 
 /// Every view's colours are multiplied by a number of its own, from 1 - range to 1 + range.
 void change_gain(Capture& capture, double range, std::uint64_t seed);

@@ -24,6 +24,7 @@ class Perturbation:
     arguments: list  # of perturb_capture
     moves_world: bool = False
     hides_parts: bool = False  # so that its own cameras say what can be asked for
+    pixel: float = 1  # its side, in clean ones: errors are compared in pixels
 
 
 PERTURBATIONS = [
@@ -31,6 +32,7 @@ PERTURBATIONS = [
     Perturbation("scale_1000", ["--scale", 1e3], moves_world=True),
     Perturbation("far_origin", ["--origin", "1e6,-2e6,5e5"], moves_world=True),
     Perturbation("unequal_sizes", ["--resample", 0.75]),
+    Perturbation("half_the_resolution", ["--resolution", 0.5], pixel=2),
     Perturbation("gain_20_percent", ["--gain", 0.2]),
     Perturbation("masks_dilated_2px", ["--grow-masks", 2]),
     Perturbation("masks_eroded_2px", ["--grow-masks", -2]),
@@ -84,6 +86,8 @@ def perturbed(bench, capture, perturbation, clean, options):
     if perturbation.hides_parts and "failed" not in clean:
         clean = {**clean, "seen_percent": 100 * bench.seen(bench.mesh_of("clean"), folder)["mean"]}
     row = reconstructed(bench, folder, perturbation.name, judge, options)
+    if "failed" not in clean:
+        clean = {**clean, "seen_percent": perturbation.pixel * clean["seen_percent"]}
     return against(clean, row, MAX_RATIO_OF_SCALE if perturbation.moves_world else MAX_RATIO)
 
 

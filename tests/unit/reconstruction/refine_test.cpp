@@ -57,7 +57,6 @@ const Capture& capture() {
 /// Sees less agreement whenever it is asked again: no batch can lower its Psi.
 class GrowingDistortion final : public PhotoBackend {
 public:
-    explicit GrowingDistortion(double phi = 0) : phi_(phi) {}
     void set_surface(const SurfaceView&, int, double, std::span<const std::int32_t>) override {
         ++phi_;
         on_call();
@@ -79,7 +78,7 @@ public:
     std::function<void()> on_call = [] {};
 
 private:
-    double phi_;
+    double phi_ = 0;
 };
 
 const ReconstructOptions small{.n_vertices = 900, .n_coarse = 300, .seed = 1, .method = Method::refine};
@@ -138,7 +137,8 @@ TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, near
     recorder.start(state.grid(), {}, on_grid(icosphere(2), unit_grid));
     RefineOptions options;
     options.n_vertices = 1000;
-    options.growth = 0.5;
+    options.follows_images = true;
+    options.followed_growth = 0.5;
     const GuessedSurface none;
     const std::vector<CurvePoint> curve =
         refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, {}, {});
@@ -149,16 +149,15 @@ TEST_CASE("Refine: where no batch lowers Psi the count is met all the same, near
         CHECK(std::abs(v.norm() - 1.0) < 0.05);  // a sixth of an edge of the base
 }
 
-TEST_CASE("Refine: below a count, or where the images disagree too much, all vertices approach the fitted surface") {
+TEST_CASE("Refine: all vertices approach the fitted surface, unless the batches follow the images") {
     constexpr double radius = 1.03;
-    const RefineOptions usual{.n_vertices = 2500}, approaching{.n_vertices = 2500, .n_approached = 2500};
     Silhouettes silhouettes((Capture()));
     const PhotoImages images = make_photo_images(capture());
     const GuessedSurface none;
     const TrueSurface fitted(icosphere(5, radius), 20'000);
-    const auto mean_distance = [&](double phi, const RefineOptions& options) {
+    const auto mean_distance = [&](const RefineOptions& options) {
         RefinableMesh state(on_grid(icosphere(3), unit_grid), unit_grid, {});
-        GrowingDistortion backend(phi);
+        GrowingDistortion backend;
         Recorder recorder;
         recorder.start(state.grid(), {}, on_grid(icosphere(3), unit_grid));
         refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, {}, {});
@@ -168,9 +167,9 @@ TEST_CASE("Refine: below a count, or where the images disagree too much, all ver
         for (const Vec3& v : state.to_mesh().vertices) sum += std::abs(v.norm() - radius);
         return sum / state.n_vertices();
     };
-    CHECK(mean_distance(2 * usual.most_credible_psi, usual) < 0.003);
-    CHECK(mean_distance(0, approaching) < 0.003);
-    CHECK(mean_distance(0, usual) > 0.005);  // a quarter of the vertices are of the base, which the images do not move
+    CHECK(mean_distance({.n_vertices = 2500}) < 0.003);
+    // A quarter of the vertices are of the base, which these images do not move.
+    CHECK(mean_distance({.n_vertices = 2500, .follows_images = true}) > 0.005);
 }
 
 namespace {
@@ -183,7 +182,7 @@ struct Approach {
         const PhotoImages images = make_photo_images(capture());
         const GuessedSurface none;
         const TrueSurface fitted(icosphere(4, 1.03), 5000);
-        const RefineOptions options{.n_vertices = 1500, .n_approached = 1500};
+        const RefineOptions options{.n_vertices = 1500};
         return refine(state, backend, {images, silhouettes, none, fitted}, options, recorder, progress, stop);
     }
 
@@ -286,9 +285,8 @@ TEST_CASE("Reconstruct: Psi falls at every batch that follows the images, also w
             pixel = {disturbed(pixel.r, 8), disturbed(pixel.g, 14), disturbed(pixel.b, 20)};
         }
     Recorder recorder;
-    const ReconstructOptions options{.n_vertices = 1600, .n_coarse = 100};
-    std::vector<CurvePoint> curve = reconstruct(noisy, options, recorder).curve;
-    std::erase_if(curve, [&](const CurvePoint& p) { return p.n_vertices < 8 * options.n_coarse; });  // approaching
+    const ReconstructOptions options{.n_vertices = 1600, .n_coarse = 800, .follows_images = true};
+    const std::vector<CurvePoint> curve = reconstruct(noisy, options, recorder).curve;
     REQUIRE(curve.size() > 3);
     for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].psi < curve[i - 1].psi);
 }
