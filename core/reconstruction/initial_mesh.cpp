@@ -18,10 +18,10 @@
 namespace anyrate {
 namespace {
 
-// Three pixels, as long as memory for the grid stays in bounds: three floats a node, and a seventh of it for the
-// coarser grids. Measured against the hull's own two pixels: the final errors of nefertiti, pot and bowl are the same
-// within 3 %, oxford_dinosaur keeps its fingers and loses false handles, and all until the coarse mesh takes 2 s less
-// (bowl).
+// Half as much again as the hull's cells, as long as memory for the grid stays in bounds: three floats a node, and a
+// seventh of it for the coarser grids. Measured against the hull's own: the final errors of nefertiti, pot and bowl are
+// the same within 3 %, oxford_dinosaur keeps its fingers and loses false handles, and all until the coarse mesh takes
+// 2 s less (bowl).
 double poisson_spacing(const VisualHull& hull) {
     constexpr double hull_cells = 1.5;
     constexpr double most_nodes = 256.0 * 256.0 * 256.0;
@@ -29,7 +29,7 @@ double poisson_spacing(const VisualHull& hull) {
     return hull.cell * std::max(hull_cells, std::cbrt((nodes.array() + 16.0).prod() / most_nodes));
 }
 
-// The votes' lattice is twice as coarse as the hull: a cell is about a pixel of the depth maps.
+// The votes' lattice is twice as coarse as the hull.
 constexpr double vote_cells = 2.0;
 
 // So near the hull the photographs decide: the optimiser gets there from it, as it does where nothing is seen through.
@@ -57,6 +57,8 @@ Carved carve_cavities(const VisualHull& hull, const PhotoImages& images) {
 }
 
 }  // namespace
+
+HullOptions hull_options(const PhotoImages& images) { return {.pixels_per_cell = std::exp2(swept_level(images))}; }
 
 InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images, const ProgressFn& progress) {
     const auto report = [&](Stage stage, double fraction) {

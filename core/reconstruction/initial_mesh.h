@@ -12,6 +12,11 @@ struct InitialSurface {
     GuessedSurface guessed;  ///< its parts that no image shows
 };
 
+/// The hull to begin with: its cells are as wide as the pixels that are swept, so that the surface is neither too
+/// coarse for what depths tell of a thin wall nor so fine that their noise pierces it. With cells of two pixels always,
+/// a bowl had a hole through its bottom from photographs 320 pixels wide, and nine tunnels from 1,280.
+HullOptions hull_options(const PhotoImages& images);
+
 /// Step 1 of the method behind the visual hull: its lids over cavities opened by a plane sweep, Poisson, iso-surface,
 /// largest piece without tiny handles. `progress` hears of the stages hull (its second half) and poisson.
 /// @param images  of the capture whose hull it is

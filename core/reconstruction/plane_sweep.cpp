@@ -64,18 +64,6 @@ SweptView swept_view(const PhotoView& photo, const PhotoLevel& level) {
     return view;
 }
 
-int choose_level(const PhotoImages& images, int most_object_px) {
-    for (int l = 0; l < images.n_levels(); ++l) {
-        std::size_t n_object = 0;
-        for (const PhotoView& view : images.views) {
-            const auto& rgba = view.levels[at(l)].rgba;
-            for (std::size_t i = 3; i < rgba.size(); i += 4) n_object += rgba[i] != 0;
-        }
-        if (n_object <= at(most_object_px) * images.views.size()) return l;
-    }
-    return images.n_levels() - 1;
-}
-
 std::vector<SweptView> views_at(const PhotoImages& images, int level) {
     std::vector<SweptView> views(images.views.size());
     parallel_for(
@@ -331,8 +319,20 @@ DepthMap depth_map(const std::vector<SweptView>& views, std::size_t i, const Vis
 
 }  // namespace
 
+int swept_level(const PhotoImages& images, const SweepOptions& options) {
+    for (int l = 0; l < images.n_levels(); ++l) {
+        std::size_t n_object = 0;
+        for (const PhotoView& view : images.views) {
+            const auto& rgba = view.levels[at(l)].rgba;
+            for (std::size_t i = 3; i < rgba.size(); i += 4) n_object += rgba[i] != 0;
+        }
+        if (n_object <= at(options.most_object_px) * images.views.size()) return l;
+    }
+    return images.n_levels() - 1;
+}
+
 std::vector<DepthMap> plane_sweep(const PhotoImages& images, const VisualHull& hull, const SweepOptions& options) {
-    const int level = choose_level(images, options.most_object_px);
+    const int level = swept_level(images, options);
     std::vector<SweptView> views;
     std::vector<DepthMap> maps;
     for (int l = std::min(level + 1, images.n_levels() - 1); l >= level; --l) {

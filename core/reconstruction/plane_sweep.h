@@ -16,6 +16,9 @@ struct SweepOptions {
     double max_angle_deg = 45.0;  ///< above, the same surface no longer looks the same
 };
 
+/// The level of the pyramid that is swept: the finest at which the views show no more of the object than they may.
+int swept_level(const PhotoImages& images, const SweepOptions& options = {});
+
 /// How far away the object is at every pixel of one view.
 struct DepthMap {
     Mat34 P = Mat34::Zero();     ///< to the pixels of the images below, which show no more than the object

@@ -108,7 +108,7 @@ Start make_start(Capture capture, const ReconstructOptions& options, const Captu
     PhotoImages images = make_photo_images(capture);
     for (View& view : capture.views) view.image = {};  // from here on the masks will do
     tell({Stage::hull, 0, 0, 0});
-    const VisualHull hull = visual_hull(capture);
+    const VisualHull hull = visual_hull(capture, hull_options(images));
     give_back_freed_memory();
     send_preview(sink, hull, images, frame);
     InitialSurface initial = initial_surface(hull, images, tell);

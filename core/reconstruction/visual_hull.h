@@ -6,7 +6,7 @@
 namespace anyrate {
 
 struct HullOptions {
-    double pixels_per_cell = 2.0;  ///< finest cell, in pixels of the views that see it
+    double pixels_per_cell = 2.0;  ///< edge of the finest cell, in pixels of the views that see it
     int max_depth = 9;             ///< of the octree: at most 2^max_depth cells an axis
 };
 

@@ -22,7 +22,9 @@ int main(int argc, char** argv) {
         const anyrate::PhotoImages images = anyrate::make_photo_images(capture);
         const auto unheard = [](const anyrate::Progress&) {};
         const anyrate::Mesh mesh = anyrate::remesh_isotropic(
-            anyrate::initial_surface(anyrate::visual_hull(capture), images, unheard).mesh, remesh);
+            anyrate::initial_surface(anyrate::visual_hull(capture, anyrate::hull_options(images)), images, unheard)
+                .mesh,
+            remesh);
         anyrate::write_mesh(mesh, output);
         return {{"vertices", mesh.n_vertices()}, {"faces", mesh.n_faces()}};
     });

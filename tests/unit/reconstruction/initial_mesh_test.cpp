@@ -8,6 +8,7 @@
 
 #include "core/mesh/topology.h"
 #include "core/simulation/simulate.h"
+#include "eq_test_scenes.h"
 
 using namespace anyrate;
 
@@ -58,6 +59,14 @@ TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is 
     const double missing = filled - volume(dish);
     CHECK(volume(initial.mesh) == doctest::Approx(volume(dish)).epsilon(0.15));
     CHECK(volume(initial.mesh) < filled - 0.7 * missing);
+}
+
+TEST_CASE("Hull options: the grid that the surface starts on does not depend on how large the photographs are") {
+    const auto cell = [](int size_px) {
+        const Capture capture = painted_sphere(6, size_px, wavy_paint);
+        return visual_hull(capture, hull_options(make_photo_images(capture))).cell;
+    };
+    for (const int size_px : {160, 640}) CHECK(cell(size_px) == doctest::Approx(cell(320)).epsilon(0.05));
 }
 
 TEST_CASE("Initial surface: the demo's vessel keeps its two handles, and its stem no hole") {
