@@ -9,17 +9,18 @@
 
 namespace anyrate {
 
-/// Step 3 of the method: until the rate is met, splits the faces where a split is expected to lower the distortion
-/// most, optimises the three new and six old vertices of every split of the batch together, and writes what the decoder
-/// will see. The state is always the decoded one (closed loop). Differs from the paper, which takes one triangle of
-/// largest phi at a time: a batch of independent splits (parallel, and cheap to encode), ranked by the decrease that
-/// moving the three middles is expected to bring and by a part of phi, which alone stays high at texture edges that no
-/// split can mend.
-/// Unless RefineOptions::follows_images, the batches bring the state nearer to the fitted surface instead, which the
-/// images have been asked about at a size of facets that they are best witnesses of: coarser ones they see through
-/// paint that is none of theirs, finer ones follow noise. Such a batch is fitted while the one before is measured and
-/// sent. Backend, sink and progress are called on the calling thread, a batch's progress before the sink has anything
-/// of the next.
+/// Step 3 of the method: until the rate is met, splits the faces where a split promises most, moves the three new and
+/// six old vertices of every split of the batch together, and writes what the decoder will see. The state is always the
+/// decoded one (closed loop).
+/// The batches bring the state nearer to the fitted surface, of which the images were asked at a size of facets that
+/// they tell apart: on coarser ones they disagree wherever the vertices are, on finer ones their noise decides. A batch
+/// is fitted while the one before is measured and sent.
+/// With RefineOptions::follows_images they are optimised against the images, as the paper has it, and only what lowers
+/// the distortion is kept. Differs from the paper, which takes one triangle of largest phi at a time: a batch of
+/// independent splits (parallel, and cheap to encode), ranked by the decrease that moving the three middles is expected
+/// to bring and by a part of phi, which alone stays high at texture edges that no split can mend.
+/// Backend, sink and progress are called on the calling thread, a batch's progress before the sink has anything of the
+/// next.
 /// @param rejected  one flag a face whose split the images did not bear out: all that is remembered from batch to
 ///                  batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
 ///                  that would have followed, bit for bit.
