@@ -146,6 +146,22 @@ TECHNIQUES = [
         "refinement.follows_images = true;",
     ),
     Technique(
+        "resolved_edges",
+        "no mesh that is optimised has edges shorter than four pixels; here photographs half as wide and high",
+        CORE + "pixel_footprint.cpp",
+        "return static_cast<int>(std::min(area / area_of_vertex, 1e9));",
+        "return static_cast<int>(std::min(area / area_of_vertex * 1e3, 1e9));",
+        ["--resolution", 0.5],
+    ),
+    Technique(
+        "swept_cells",
+        "the first surface's grid is as fine as the pixels that are swept; here photographs half as wide and high",
+        CORE + "initial_mesh.cpp",
+        "return {.pixels_per_cell = std::exp2(swept_level(images))};",
+        "static_cast<void>(images); return {};",
+        ["--resolution", 0.5],
+    ),
+    Technique(
         "unseen_surface",
         "what faces away from all views is flat and a guess; here photographs cropped to 70 %",
         CORE + "initial_mesh.cpp",

@@ -48,13 +48,18 @@ double volume(const Mesh& mesh) {
     return sum;
 }
 
+InitialSurface initial_surface_of(const Capture& capture) {
+    const PhotoImages images = make_photo_images(capture);
+    return initial_surface(visual_hull(capture, hull_options(images)), images, {});
+}
+
 }  // namespace
 
 TEST_CASE("Initial surface: the inside of a dish, which no silhouette shows, is open") {
     const Mesh dish = turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0.85, 0.6}, {0.5, 0.15}, {0, 0.15}}, 64);
     const double filled = volume(turned({{0, 0}, {0.6, 0}, {1, 0.6}, {0, 0.6}}, 64));
     const Simulation scene = simulate_mesh(dish, {.width = 320, .height = 240});
-    const InitialSurface initial = initial_surface(visual_hull(scene.capture), make_photo_images(scene.capture), {});
+    const InitialSurface initial = initial_surface_of(scene.capture);
     REQUIRE(measure_topology(initial.mesh).is_closed_manifold());
     const double missing = filled - volume(dish);
     CHECK(volume(initial.mesh) == doctest::Approx(volume(dish)).epsilon(0.15));
@@ -71,8 +76,7 @@ TEST_CASE("Hull options: the grid that the surface starts on does not depend on 
 
 TEST_CASE("Initial surface: the demo's vessel keeps its two handles, and its stem no hole") {
     const Simulation scene = simulate_scene("vessel", {.width = 320, .height = 240});
-    const Topology topology =
-        measure_topology(initial_surface(visual_hull(scene.capture), make_photo_images(scene.capture), {}).mesh);
+    const Topology topology = measure_topology(initial_surface_of(scene.capture).mesh);
     REQUIRE(topology.is_closed_manifold());
     CHECK(topology.n_components == 1);
     CHECK(topology.n_components - topology.euler / 2 == 2);
@@ -82,8 +86,9 @@ TEST_CASE("Initial surface: no cone below what stands on a table") {
     // Views from 20 degrees above see nothing of the underside: their silhouettes' hull goes on below it.
     const Mesh column = turned({{0, 0}, {0.8, 0}, {0.8, 1.2}, {0, 1.2}}, 64);
     const Simulation scene = simulate_mesh(column, {.width = 320, .height = 240});
-    const VisualHull hull = visual_hull(scene.capture);
-    const InitialSurface initial = initial_surface(hull, make_photo_images(scene.capture), {});
+    const PhotoImages images = make_photo_images(scene.capture);
+    const VisualHull hull = visual_hull(scene.capture, hull_options(images));
+    const InitialSurface initial = initial_surface(hull, images, {});
     double lowest = 0;
     for (const Vec3& v : initial.mesh.vertices) lowest = std::min(lowest, v.z());
     REQUIRE(hull.lower.z() < -0.15);
