@@ -34,9 +34,6 @@ struct Corners {
           points{mesh.vertices[at(numbers[0])], mesh.vertices[at(numbers[1])], mesh.vertices[at(numbers[2])]},
           twice_area(twice_area_vector(points[0], points[1], points[2])) {}
 
-    std::array<Vec3, 3> of(std::span<const Vec3> values) const {
-        return {values[at(numbers[0])], values[at(numbers[1])], values[at(numbers[2])]};
-    }
     double area() const { return 0.5 * twice_area.norm(); }
     double longest_squared_edge() const {
         const auto& [a, b, c] = points;
@@ -78,30 +75,16 @@ Pair pair_from_face(const Corners& corners, const Vec3& weights, const TrueSurfa
     return {weights, (hit.point - point).dot(normal), hit.squared_distance, normal};
 }
 
-/// Sums pairs up for one face.
-class Sum {
-public:
-    explicit Sum(const std::array<Vec3, 3>& corner_normals) : normals_(corner_normals) {}
-
-    void add(const Pair& pair, double area) {
-        sum_.area += area;
-        sum_.squared += area * pair.squared_distance;
-        Vec3 slopes;  // of the offset, by the corners' displacements
-        for (int k = 0; k < 3; ++k) slopes[k] = pair.weights[k] * normals_[at(k)].dot(pair.true_normal);
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto i = static_cast<Eigen::Index>(k), j = static_cast<Eigen::Index>((k + 1) % 3);
-            sum_.gradient[k] -= 2 * area * pair.offset * slopes[i];
-            sum_.hessian[k] += 2 * area * slopes[i] * slopes[i];
-            sum_.hessian[3 + k] += 2 * area * slopes[i] * slopes[j];
-        }
-    }
-
-    const FaceDistance& result() const { return sum_; }
-
-private:
-    std::array<Vec3, 3> normals_;
-    FaceDistance sum_;
-};
+void add(FaceDistance& sum, const Pair& pair, double area) {
+    const Vec3 &w = pair.weights, &n = pair.true_normal;
+    sum.area += area;
+    sum.squared += area * pair.squared_distance;
+    const Symmetric3 projector{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+    const std::array<double, 6> products{w[0] * w[0], w[1] * w[1], w[2] * w[2], w[0] * w[1], w[1] * w[2], w[2] * w[0]};
+    for (std::size_t k = 0; k < 3; ++k) sum.gradient[k] -= (2 * area * pair.offset * w[static_cast<int>(k)]) * n;
+    for (std::size_t k = 0; k < products.size(); ++k)
+        for (std::size_t i = 0; i < projector.size(); ++i) sum.hessian[k][i] += 2 * area * products[k] * projector[i];
+}
 
 /// The centres of the n * n equal triangles that a triangle divides into, as weights of its corners.
 std::vector<Vec3> centres(int n) {
@@ -164,7 +147,7 @@ std::vector<Vec3> SurfaceMeter::nearest_to_samples(const Mesh& mesh, std::size_t
     return points;
 }
 
-std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh, std::span<const Vec3> normals) {
+std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh) {
     const std::size_t n_faces = mesh.triangles.size();
     nearest_of_face_.resize(n_faces, -1);
     nearest_of_sample_.resize(surface_.samples.size(), -1);
@@ -178,18 +161,17 @@ std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh, std::span<cons
     std::vector<FaceDistance> result(n_faces);
     parallel_for(n_faces, [&](std::size_t f) {
         const Corners corners(mesh, f);
-        Sum sum(corners.of(normals));
+        FaceDistance& sum = result[f];
         for (std::size_t k = by_face.begin[f]; k < by_face.begin[f + 1]; ++k) {
             const std::size_t i = by_face.order[k];
             const std::int32_t true_face = surface_.sample_faces[i];
             if (nearest_of_face_[f] < 0) nearest_of_face_[f] = true_face;
-            sum.add(pair_from_surface(corners, touched[i], surface_.samples[i], surface_.face_normals[at(true_face)]),
-                    area_of_sample);
+            add(sum, pair_from_surface(corners, touched[i], surface_.samples[i], surface_.face_normals[at(true_face)]),
+                area_of_sample);
         }
         const double area_of_point = 0.5 * corners.area() / static_cast<double>(lattice.size());
         for (const Vec3& weights : lattice)
-            sum.add(pair_from_face(corners, weights, surface_, nearest_of_face_[f]), area_of_point);
-        result[f] = sum.result();
+            add(sum, pair_from_face(corners, weights, surface_, nearest_of_face_[f]), area_of_point);
     });
     return result;
 }

@@ -9,16 +9,19 @@
 
 namespace anyrate {
 
+/// A symmetric 3x3 matrix: 00 11 22 01 12 20.
+using Symmetric3 = std::array<double, 6>;
+
 /// How far a face is from the true surface, both ways with half the weight each: points of the face to the surface, and
-/// points of the surface whose nearest face it is. With u the displacements of its corners along their normals, world
-/// units, the integral over the squared distances to the tangent planes is
+/// points of the surface whose nearest face it is. With u_k the displacements of its corners, world units, the integral
+/// over the squared distances to the tangent planes is
 ///
-///     E(u) = E(0) + g u + 1/2 u H u
+///     E(u) = E(0) + sum_k g_k . u_k + 1/2 sum_kl u_k . H_kl u_l
 struct FaceDistance {
     double area = 0;     ///< that was measured, world units squared
     double squared = 0;  ///< integral of the squared distance, world units to the fourth
-    std::array<double, 3> gradient{};
-    std::array<double, 6> hessian{};  ///< 00 11 22 01 12 20
+    std::array<Vec3, 3> gradient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< g_k
+    std::array<Symmetric3, 6> hessian{};                                     ///< H_kl of corners 00 11 22 01 12 20
 };
 
 /// Measures meshes that change little from one to the next. Remembers where the last search ended, which saves time and
@@ -30,9 +33,8 @@ public:
     explicit SurfaceMeter(const TrueSurface& surface, int fewest_points = 60'000)
         : surface_(surface), fewest_points_(fewest_points) {}
 
-    /// @param normals  unit, one per vertex of the mesh: the directions in which the vertices may move
     /// @return one per face
-    std::vector<FaceDistance> measure(const Mesh& mesh, std::span<const Vec3> normals);
+    std::vector<FaceDistance> measure(const Mesh& mesh);
 
 private:
     /// The nearest point of the mesh on the same side, for each of the first samples.

@@ -5,7 +5,6 @@
 
 #include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
-#include "core/parallel.h"
 
 namespace anyrate {
 namespace {
@@ -21,11 +20,17 @@ double dot(std::span<const double> a, std::span<const double> b) {
     return sum;
 }
 
+Vec3 product(const Symmetric3& m, const Vec3& v) {
+    return {m[0] * v[0] + m[3] * v[1] + m[5] * v[2], m[3] * v[0] + m[1] * v[1] + m[4] * v[2],
+            m[5] * v[0] + m[4] * v[1] + m[2] * v[2]};
+}
+
 /// The quadratic function of the active vertices' displacements that the faces' add up to.
 class Quadratic {
 public:
+    /// @param directions  unit, one per vertex of the mesh: in which it may move
     Quadratic(const Mesh& mesh, std::span<const std::int32_t> active, std::span<const FaceDistance> faces,
-              double damping)
+              std::span<const Vec3> directions, double damping)
         : gradient_(active.size(), 0.0), diagonal_(active.size(), 0.0), damping_(damping) {
         std::vector<std::int32_t> index(mesh.vertices.size(), -1);
         for (std::size_t i = 0; i < active.size(); ++i) index[at(active[i])] = static_cast<std::int32_t>(i);
@@ -33,12 +38,17 @@ public:
             Term term;
             for (std::size_t k = 0; k < 3; ++k) term.vertices[k] = index[at(mesh.triangles[f][k])];
             if (std::ranges::max(term.vertices) < 0) continue;
-            term.hessian = faces[f].hessian;
+            const auto direction = [&](std::size_t k) -> const Vec3& { return directions[at(mesh.triangles[f][k])]; };
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t l = (k + 1) % 3;
+                term.hessian[k] = direction(k).dot(product(faces[f].hessian[k], direction(k)));
+                term.hessian[3 + k] = direction(k).dot(product(faces[f].hessian[3 + k], direction(l)));
+            }
             terms_.push_back(term);
             for (std::size_t k = 0; k < 3; ++k) {
                 if (term.vertices[k] < 0) continue;
-                gradient_[at(term.vertices[k])] += faces[f].gradient[k];
-                diagonal_[at(term.vertices[k])] += faces[f].hessian[k];
+                gradient_[at(term.vertices[k])] += direction(k).dot(faces[f].gradient[k]);
+                diagonal_[at(term.vertices[k])] += term.hessian[k];
             }
         }
     }
@@ -109,10 +119,16 @@ std::vector<double> mean_edge_lengths(const Mesh& mesh) {
     return sum;
 }
 
-std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDistance> faces) {
+/// Half the second derivative of the squared distance by a move of each vertex alone.
+/// @param directions  unit, one per vertex of the mesh
+std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDistance> faces,
+                                       std::span<const Vec3> directions) {
     std::vector<double> costs(mesh.vertices.size(), 0.0);
     for (std::size_t f = 0; f < faces.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) costs[at(mesh.triangles[f][k])] += 0.5 * faces[f].hessian[k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t v = at(mesh.triangles[f][k]);
+            costs[v] += 0.5 * directions[v].dot(product(faces[f].hessian[k], directions[v]));
+        }
     return costs;
 }
 
@@ -155,13 +171,19 @@ struct Moves {
     FaceLimits faces;
 };
 
-/// One round: measures, and moves the active vertices along the directions.
+/// Damped more than a move along a normal: where the surface hardly bends, distances tell little of where a vertex is
+/// to go.
+constexpr Moves slide{.most_edges = 0.15, .damping = 0.3, .faces = not_crushed};
+
+/// Of a vertex whose faces have no area the normal is none.
+bool is_unit(const Vec3& normal) { return std::abs(normal.squaredNorm() - 1) < 1e-6; }
+
+/// Moves the active vertices along the directions.
 /// @param directions  unit, one per vertex of the mesh
-/// @return the distances before, one per face
-std::vector<FaceDistance> fit_along(Mesh& mesh, std::span<const std::int32_t> active, std::span<const Vec3> directions,
-                                    SurfaceMeter& meter, const Moves& moves) {
-    std::vector<FaceDistance> distances = meter.measure(mesh, directions);
-    const std::vector<double> u = Quadratic(mesh, active, distances, moves.damping).minimum();
+/// @param faces       as measured; afterwards the gradients are those where the vertices stand now
+void fit_along(std::span<const Vec3> directions, Mesh& mesh, std::span<const std::int32_t> active,
+               std::vector<FaceDistance>& faces, const Moves& moves) {
+    const std::vector<double> u = Quadratic(mesh, active, faces, directions, moves.damping).minimum();
     const std::vector<double> edges = mean_edge_lengths(mesh);
     const std::vector<Vec3> before(mesh.vertices);
     for (std::size_t i = 0; i < active.size(); ++i) {
@@ -170,36 +192,36 @@ std::vector<FaceDistance> fit_along(Mesh& mesh, std::span<const std::int32_t> ac
         mesh.vertices[v] += std::clamp(u[i], -most, most) * directions[v];
     }
     take_back_beyond(moves.faces, mesh, before);
-    return distances;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto moved = [&](std::size_t k) -> Vec3 {
+            const std::size_t v = at(mesh.triangles[f][k]);
+            return mesh.vertices[v] - before[v];
+        };
+        for (std::size_t k = 0; k < 3; ++k)
+            faces[f].gradient[k] += product(faces[f].hessian[k], moved(k)) +
+                                    product(faces[f].hessian[3 + k], moved((k + 1) % 3)) +
+                                    product(faces[f].hessian[3 + (k + 2) % 3], moved((k + 2) % 3));
+    }
 }
 
 }  // namespace
 
-std::vector<double> fit_along_normals(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
-                                      const FitOptions& options) {
-    std::vector<double> costs;
-    const Moves moves{.most_edges = options.most_edges, .damping = options.damping, .faces = not_turned};
-    for (int round = 0; round < options.rounds; ++round) {
-        const std::vector<FaceDistance> distances = fit_along(mesh, active, vertex_normals(mesh), meter, moves);
-        if (round + 1 == options.rounds) costs = displacement_costs(mesh, distances);
+std::vector<double> fit_vertices(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
+                                 const FitOptions& options) {
+    std::vector<FaceDistance> faces = meter.measure(mesh);
+    const std::vector<Vec3> normals = vertex_normals(mesh);
+    if (options.slides) {
+        std::vector<Vec3> directions(normals.size(), Vec3::Zero());
+        for (std::size_t v = 0; v < normals.size(); ++v)
+            if (is_unit(normals[v])) directions[v] = normals[v].unitOrthogonal();
+        fit_along(directions, mesh, active, faces, slide);
+        for (std::size_t v = 0; v < normals.size(); ++v) directions[v] = normals[v].cross(directions[v]);
+        fit_along(directions, mesh, active, faces, slide);
     }
+    const std::vector<double> costs = displacement_costs(mesh, faces, normals);
+    fit_along(normals, mesh, active, faces,
+              {.most_edges = options.most_edges, .damping = options.damping, .faces = not_turned});
     return costs;
-}
-
-void fit_in_tangent_planes(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter) {
-    // Damped more: where the surface hardly bends, distances tell little of where a vertex is to go.
-    constexpr Moves slides{.most_edges = 0.15, .damping = 0.3, .faces = not_crushed};
-    std::vector<Vec3> normals = vertex_normals(mesh), directions(normals.size(), Vec3::Zero());
-    for (std::size_t v = 0; v < normals.size(); ++v) {
-        const bool has_plane = std::abs(normals[v].squaredNorm() - 1) < 1e-6;
-        if (has_plane)
-            directions[v] = normals[v].unitOrthogonal();
-        else
-            normals[v].setZero();
-    }
-    fit_along(mesh, active, directions, meter, slides);
-    for (std::size_t v = 0; v < normals.size(); ++v) directions[v] = normals[v].cross(directions[v]);
-    fit_along(mesh, active, directions, meter, slides);
 }
 
 }  // namespace anyrate

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/mesh/normals.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/vertex_fit.h"
 #include "core/progressive/trial_batch.h"
@@ -19,7 +18,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
     MeasuredMesh now{state.to_mesh(), {}, {}};
-    now.faces = meter.measure(now.mesh, vertex_normals(now.mesh));
+    now.faces = meter.measure(now.mesh);
     now.twins.resize(3 * now.faces.size());
     for (std::size_t h = 0; h < now.twins.size(); ++h) now.twins[h] = state.twin(static_cast<std::int32_t>(h));
     return now;
@@ -51,7 +50,7 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
 
 BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
     TrialBatch trial = try_batch(state, batch);
-    const std::vector<double> costs = fit_along_normals(trial.mesh, trial.active, meter, {});
+    const std::vector<double> costs = fit_vertices(trial.mesh, trial.active, meter, {});
     BatchTargets targets = targets_of(trial, state.n_vertices());
     targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
     targets.new_costs.resize(batch.size());

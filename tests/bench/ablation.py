@@ -107,8 +107,8 @@ TECHNIQUES = [
         "sliding_base",
         "vertices of the base slide in their tangent planes to where the surface bends",
         "core/mesh/coarse_fit.cpp",
-        "    fit_in_tangent_planes(mesh, all, meter);\n",
-        "",
+        "{.slides = true, ",
+        "{.slides = false, ",
     ),
     Technique(
         "neighbours_share",
