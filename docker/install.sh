@@ -9,20 +9,20 @@ packages=(
     # building
     build-essential cmake ninja-build ccache git ca-certificates pkg-config
     # core: geometry and images
-    libeigen3-dev libtbb-dev libopenmesh-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libarchive-dev
+    libeigen3-dev libtbb-dev libopenmesh-dev libpng-dev libturbojpeg0-dev libarchive-dev
     # proto
     libdraco-dev nlohmann-json3-dev
     # gpu: EGL and OpenGL, and Mesa's llvmpipe, which stands in for a GPU in tests
     libepoxy-dev libegl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
     # server
     libcli11-dev libspdlog-dev libsqlite3-dev libseccomp-dev libssl-dev
-    # tests and scripts; Clang for libFuzzer, with its runtime and the names in its reports
-    doctest-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm zzuf
+    # tests and scripts; OpenCV as another reader of images; Clang for libFuzzer, with its runtime and names in its reports
+    doctest-dev libopencv-core-dev libopencv-imgcodecs-dev curl python3 python3-yaml openssl clang libclang-rt-14-dev llvm zzuf
 )
 
 # The libraries of the binary itself (tests/docker_test.py compares); theirs follow.
 run_packages=(
-    libarchive13 libopencv-core406 libopencv-imgproc406 libopencv-imgcodecs406 libopenmesh1 libdraco7 libtbb12
+    libarchive13 libpng16-16 libturbojpeg0 libopenmesh1 libdraco7 libtbb12
     libsqlite3-0 libseccomp2 libssl3 libspdlog1.10 libfmt9 libstdc++6 libepoxy0 libegl1 curl ca-certificates
 )
 

@@ -1,7 +1,6 @@
 #pragma once
-// The one door to OpenCV: encoded bytes to plain images and back. 8 and 16 bits a channel, grey, palette and colour are
-// read; 16 bits keep their high byte; embedded orientation and colour profiles are ignored (calibration saw the stored
-// pixels).
+// Encoded bytes to plain images and back. 8 and 16 bits a channel, grey, palette and colour are read; 16 bits keep
+// their high byte; embedded orientation and colour profiles are ignored (calibration saw the stored pixels).
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,7 +30,7 @@ MaskImage decode_mask(std::span<const std::uint8_t> bytes, const ImageHeader& he
 std::vector<std::uint8_t> encode_png(const ColourImage& image);
 std::vector<std::uint8_t> encode_png(const MaskImage& mask);
 
-/// A JPEG file. @param quality  from 0 to 100, as libjpeg means it
+/// A JPEG file. @param quality  from 1 to 100, as libjpeg means it
 std::vector<std::uint8_t> encode_jpeg(const ColourImage& image, int quality);
 
 }  // namespace anyrate

@@ -1,7 +1,10 @@
 #include "core/capture/image_io.h"
 
 #include <doctest/doctest.h>
+#include <turbojpeg.h>
 
+#include <cstdlib>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -87,6 +90,83 @@ TEST_CASE("Image I/O: encode then decode gives the same pixels") {
     const Bytes colours = encode_png(image), silhouette = encode_png(mask);
     CHECK(decode_colour(colours, *read_image_header(colours)).pixels == image.pixels);
     CHECK(decode_mask(silhouette, *read_image_header(silhouette)).pixels == mask.pixels);
+}
+
+TEST_CASE("Image I/O: pixels are those that OpenCV reads") {
+    const auto deep = [](int type) {
+        cv::Mat pixels;
+        waves(37, 21, type).convertTo(pixels, CV_16U, 257);
+        return pixels;
+    };
+    const std::vector<int> progressive{cv::IMWRITE_JPEG_PROGRESSIVE, 1};
+    const std::vector<Bytes> files = {encode(".png", waves(37, 21, CV_8UC1)),
+                                      encode(".png", waves(37, 21, CV_8UC3)),
+                                      encode(".png", waves(37, 21, CV_8UC4)),
+                                      encode(".png", deep(CV_8UC1)),
+                                      encode(".png", deep(CV_8UC3)),
+                                      encode(".png", deep(CV_8UC4)),
+                                      encode(".png", waves(37, 21, CV_8UC1), {cv::IMWRITE_PNG_BILEVEL, 1}),
+                                      encode(".jpg", waves(37, 21, CV_8UC1)),
+                                      encode(".jpg", waves(37, 21, CV_8UC3)),
+                                      encode(".jpg", waves(37, 21, CV_8UC3), progressive)};
+    for (std::size_t f = 0; f < files.size(); ++f) {
+        CAPTURE(f);
+        const cv::Mat colours = cv::imdecode(files[f], cv::IMREAD_COLOR);
+        const cv::Mat stored = cv::imdecode(files[f], cv::IMREAD_UNCHANGED);
+        const CutOut cut_out = decode_cut_out(files[f], *read_image_header(files[f]));
+        CHECK(decode_colour(files[f], *read_image_header(files[f])).pixels == cut_out.image.pixels);
+        REQUIRE(cut_out.mask.has_value() == (stored.channels() == 4));
+        for (int y = 0; y < colours.rows; ++y)
+            for (int x = 0; x < colours.cols; ++x) {
+                const auto& bgr = colours.at<cv::Vec3b>(y, x);
+                REQUIRE(cut_out.image(x, y) == Rgb8{bgr[2], bgr[1], bgr[0]});
+                if (!cut_out.mask) continue;
+                const int alpha =
+                    stored.depth() == CV_16U ? stored.at<cv::Vec4w>(y, x)[3] / 256 : stored.at<cv::Vec4b>(y, x)[3];
+                REQUIRE((*cut_out.mask)(x, y) == (alpha >= 128 ? 255 : 0));
+            }
+    }
+}
+
+TEST_CASE("Image I/O: OpenCV reads what is written") {
+    ColourImage image(37, 21);
+    for (int y = 0; y < 21; ++y)
+        for (int x = 0; x < 37; ++x)
+            image(x, y) = {static_cast<std::uint8_t>(6 * x), static_cast<std::uint8_t>(12 * y),
+                           static_cast<std::uint8_t>(3 * x + 6 * y)};
+    const cv::Mat png = cv::imdecode(encode_png(image), cv::IMREAD_UNCHANGED);
+    const cv::Mat jpeg = cv::imdecode(encode_jpeg(image, 95), cv::IMREAD_UNCHANGED);
+    REQUIRE(png.size() == cv::Size(37, 21));
+    REQUIRE(jpeg.size() == cv::Size(37, 21));
+    double difference = 0;
+    for (int y = 0; y < 21; ++y)
+        for (int x = 0; x < 37; ++x) {
+            const Rgb8 colour = image(x, y);
+            REQUIRE(png.at<cv::Vec3b>(y, x) == cv::Vec3b(colour.b, colour.g, colour.r));
+            difference += std::abs(jpeg.at<cv::Vec3b>(y, x)[1] - colour.g);
+        }
+    CHECK(difference / (37 * 21) < 3);
+}
+
+TEST_CASE("Image I/O: inks are colours") {
+    // What is stored is inverted, as Adobe's programs do: 255 is no ink.
+    const std::vector<std::uint8_t> pixels = {255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 0};
+    const std::vector<Rgb8> expected = {{255, 255, 255}, {0, 255, 255}, {0, 0, 0}};
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        std::vector<std::uint8_t> block;
+        for (int k = 0; k < 64; ++k) block.insert(block.end(), pixels.begin() + 4 * i, pixels.begin() + 4 * (i + 1));
+        const std::unique_ptr<void, int (*)(void*)> jpeg(tjInitCompress(), tjDestroy);
+        Bytes bytes(tjBufSize(8, 8, TJSAMP_444));
+        unsigned char* to = bytes.data();
+        unsigned long n_bytes = bytes.size();
+        REQUIRE(tjCompress2(jpeg.get(), block.data(), 8, 0, 8, TJPF_CMYK, &to, &n_bytes, TJSAMP_444, 100,
+                            TJFLAG_NOREALLOC) == 0);
+        bytes.resize(n_bytes);
+        const Rgb8 colour = decode_colour(bytes, *read_image_header(bytes)).pixels[27];
+        CHECK(std::abs(colour.r - expected[i].r) <= 4);
+        CHECK(std::abs(colour.g - expected[i].g) <= 4);
+        CHECK(std::abs(colour.b - expected[i].b) <= 4);
+    }
 }
 
 TEST_CASE("Mask: whatever is not 0 is object, in grey of 8 and 16 bits and in colour") {
