@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/memory.h"
 #include "core/mesh/topology.h"
 #include "core/reconstruction/confirmed_depth.h"
 #include "core/reconstruction/depth_votes.h"
@@ -66,14 +65,12 @@ InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images
     };
     report(Stage::hull, 0.5);
     const Carved carved = carve_cavities(hull, images);
-    give_back_freed_memory();
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
     InitialSurface initial;
     initial.mesh = largest_component(iso_surface(poisson_field(carved.points, {.spacing = spacing}, carved.votes)));
-    give_back_freed_memory();
     report(Stage::poisson, 0.5);
     initial.mesh = remove_small_handles(initial.mesh, handle_loop_cells * spacing);
     const std::vector<char> unseen = unseen_vertices(initial.mesh, images);

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/memory.h"
 #include "core/mesh/coarse_fit.h"
 #include "core/mesh/decimate.h"
 #include "core/mesh/remesh.h"
@@ -109,10 +108,8 @@ Start make_start(Capture capture, const ReconstructOptions& options, const Captu
     for (View& view : capture.views) view.image = {};  // from here on the masks will do
     tell({Stage::hull, 0, 0, 0});
     const VisualHull hull = visual_hull(capture, hull_options(images));
-    give_back_freed_memory();
     send_preview(sink, hull, images, frame);
     InitialSurface initial = initial_surface(hull, images, tell);
-    give_back_freed_memory();
     tell({Stage::remesh, 0, 0, 0});
     const int n_resolved = resolved_vertices(initial.mesh, images);
     Mesh mesh;
@@ -217,7 +214,6 @@ Mesh fine_surface(PhotoBackend& backend, Start& start, int n_log, const std::sto
     optimise_surface(backend, start.silhouettes, fine.vertices, fine.triangles, {}, start.guessed.vertices(fine), {},
                      stop);
     untangle(fine);
-    give_back_freed_memory();
     return fine;
 }
 
@@ -315,7 +311,6 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     } else {
         optimise_coarse_to_fine(sampler, start, tell, stop);
         guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
-        give_back_freed_memory();
     }
     Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, options.n_vertices, stop);
     if (journal && stop.stop_requested()) return {.curve = {}, .iterations = {}, .stopped = true};

@@ -1,19 +1,28 @@
 #include "server/cli/log_id.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <span>
 
 namespace anyrate {
 namespace {
 
-class Fnv1a {
+/// FNV-1a on words of eight bytes, each of which is folded so that its last bits count in all others: photographs of a
+/// capture are tens of megabytes, of which byte by byte takes longer than the first picture can wait.
+class WordHash {
 public:
     template <class T>
     void add(std::span<const T> values) {
         static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
-        for (const std::byte b : std::as_bytes(values)) {
-            hash_ = (hash_ ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
+        for (std::span<const std::byte> rest = std::as_bytes(values); !rest.empty();) {
+            std::uint64_t word = 0;
+            const std::size_t n = std::min(rest.size(), sizeof word);
+            std::memcpy(&word, rest.data(), n);
+            add_word(word);
+            rest = rest.subspan(n);
         }
+        add_word(values.size_bytes());
     }
     template <class T>
     void add_value(const T& value) {
@@ -22,10 +31,15 @@ public:
     std::uint64_t value() const { return hash_; }
 
 private:
+    void add_word(std::uint64_t word) {
+        hash_ = (hash_ ^ word) * 0x100000001b3u;
+        hash_ ^= hash_ >> 32;
+    }
+
     std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-void add_view(Fnv1a& hash, const View& view) {
+void add_view(WordHash& hash, const View& view) {
     hash.add(std::span<const double>(view.camera.K.data(), 9));
     hash.add(std::span<const double>(view.camera.R.data(), 9));
     hash.add(std::span<const double>(view.camera.t.data(), 3));
@@ -38,7 +52,7 @@ void add_view(Fnv1a& hash, const View& view) {
 }  // namespace
 
 std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options, std::string_view device) {
-    Fnv1a hash;
+    WordHash hash;
     for (const View& view : capture.views) add_view(hash, view);
     hash.add_value(options.n_vertices);
     hash.add_value(options.n_coarse);
@@ -51,7 +65,7 @@ std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& option
 }
 
 std::uint64_t log_id_of(const Mesh& mesh, const EncodeMeshOptions& options) {
-    Fnv1a hash;
+    WordHash hash;
     for (const Vec3& v : mesh.vertices) hash.add(std::span<const double>(v.data(), 3));
     for (const Triangle& t : mesh.triangles) hash.add(std::span<const std::int32_t>(t));
     hash.add(std::span<const Rgb8>(mesh.colours));

@@ -8,7 +8,7 @@
 namespace anyrate {
 
 /// The identity of the log that this capture and these options give: equal inputs have equal ids, so that the same
-/// command gives the same file, and others practically never do. A 64-bit FNV-1a hash of every pixel and camera.
+/// command gives the same file, and others practically never do. A 64-bit hash of every pixel and camera.
 /// @param device  whose arithmetic chose the operations; empty: the CPU's, which is the same everywhere
 std::uint64_t log_id_of(const Capture& capture, const ReconstructOptions& options, std::string_view device = {});
 
