@@ -19,6 +19,7 @@ struct View {
 struct Capture {
     std::string name;
     std::vector<View> views;
+    int n_halvings = 0;  ///< how often the loader halved width and height of all photographs, see LoadOptions
 };
 
 }  // namespace anyrate

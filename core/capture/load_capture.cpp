@@ -11,6 +11,7 @@
 #include "core/capture/capture_files.h"
 #include "core/capture/check_camera.h"
 #include "core/capture/faults.h"
+#include "core/capture/halve_view.h"
 #include "core/capture/image_io.h"
 #include "core/capture/object_position.h"
 #include "core/capture/relative_name.h"
@@ -112,12 +113,16 @@ void check_files(Candidate& candidate, const CaptureFiles& files, const LoadOpti
     candidate.mask_header = *mask;
 }
 
-/// @return whether all the images together are within the limit
-bool check_capture_pixels(const std::vector<Candidate>& candidates, std::int64_t max_pixels,
-                          const std::string& cameras_file, Faults& faults) {
+std::int64_t pixels_together(const std::vector<Candidate>& candidates) {
     std::int64_t n_pixels = 0;
     for (const Candidate& candidate : candidates)
         n_pixels += std::int64_t{candidate.image_header.width} * candidate.image_header.height;
+    return n_pixels;
+}
+
+/// @return whether all the images together are within the limit
+bool check_capture_pixels(std::int64_t n_pixels, std::int64_t max_pixels, const std::string& cameras_file,
+                          Faults& faults) {
     if (n_pixels <= max_pixels) return true;
     faults.add(cameras_file, "lists images of " + std::to_string(n_pixels) + " pixels together; expected at most " +
                                  std::to_string(max_pixels));
@@ -145,8 +150,15 @@ bool decode_with_alpha(const std::vector<std::uint8_t>& bytes, Candidate& candid
     return true;
 }
 
+/// How often the images have to be halved so that no more pixels are kept.
+int halvings_to_keep(std::int64_t max_pixels, std::int64_t n_pixels) {
+    int n_halvings = 0;
+    for (; n_pixels > max_pixels; n_pixels /= 4) ++n_halvings;
+    return n_halvings;
+}
+
 /// Decodes the image and the mask of a sound candidate.
-void decode_view(Candidate& candidate, const CaptureFiles& files) {
+void decode_view(Candidate& candidate, const CaptureFiles& files, int n_halvings) {
     const std::string& image_file = candidate.entry.file;
     const std::string& mask_file = candidate.mask_file.empty() ? image_file : candidate.mask_file;
     const std::string* decoding = &image_file;
@@ -165,6 +177,10 @@ void decode_view(Candidate& candidate, const CaptureFiles& files) {
     }
     if (!candidate.entry.distortion.is_none()) undistort(candidate.view, candidate.entry.distortion);
     check_mask(candidate.view.mask, mask_file, candidate.faults);
+    constexpr int smallest_side = 16;
+    for (int i = 0; i < n_halvings; ++i)
+        if (std::min(candidate.view.image.width, candidate.view.image.height) >= 2 * smallest_side)
+            halve(candidate.view);
 }
 
 std::vector<Candidate> make_candidates(CameraList list, const CaptureFiles& files, const LoadOptions& options) {
@@ -218,17 +234,19 @@ Capture load_capture(const std::filesystem::path& folder_or_zip, const LoadOptio
     CameraList list = read_cameras(*files, folder_or_zip.string(), *cameras_file, faults);
     check_list(list, *cameras_file, faults);
     std::vector<Candidate> candidates = make_candidates(std::move(list), *files, options);
+    const std::int64_t n_pixels = pixels_together(candidates);
+    const int n_halvings = halvings_to_keep(options.max_kept_pixels, n_pixels);
     const auto decode = [&](std::size_t i) {
-        if (candidates[i].is_sound()) decode_view(candidates[i], *files);
+        if (candidates[i].is_sound()) decode_view(candidates[i], *files, n_halvings);
     };
-    if (check_capture_pixels(candidates, options.max_capture_pixels, *cameras_file, faults))
+    if (check_capture_pixels(n_pixels, options.max_capture_pixels, *cameras_file, faults))
         parallel_for(candidates.size(), decode, 1);
 
     check_views_together(candidates, *cameras_file, faults);
     for (const Candidate& candidate : candidates) faults.append(candidate.faults);
     faults.throw_if_any();
 
-    Capture capture{name_of(folder_or_zip), {}};
+    Capture capture{name_of(folder_or_zip), {}, n_halvings};
     for (Candidate& candidate : candidates) capture.views.push_back(std::move(candidate.view));
     return capture;
 }

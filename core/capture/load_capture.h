@@ -13,7 +13,10 @@ struct LoadOptions {
     std::int64_t max_pixels = 50'000'000;  ///< of one image; read from the file's header before any pixel is decoded
     /// Bytes of one image: 16 bits in four channels and some text around them.
     std::uint64_t max_image_bytes() const { return 8 * static_cast<std::uint64_t>(max_pixels) + (1 << 20); }
-    std::int64_t max_capture_pixels = 500'000'000;  ///< of all images together; a pixel takes 4 bytes once loaded
+    std::int64_t max_capture_pixels = 2'000'000'000;  ///< of all images together, before any pixel is decoded
+    /// What is kept of them: images that have more together are halved in width and height, until they have not. A
+    /// kept pixel costs a reconstruction about ten bytes.
+    std::int64_t max_kept_pixels = 300'000'000;
     ZipLimits zip = {};
 };
 
@@ -22,7 +25,8 @@ struct LoadOptions {
 ///
 /// Images and masks are PNG or JPEG of any depth. The mask of an image is, the first that there is: the file named in
 /// its entry, the file of the same name in `masks/` (or of that name with .png), its own alpha channel. A
-/// `pixel_center` that is not given is (0.5, 0.5). Images with `distortion` are undistorted, their K stays.
+/// `pixel_center` that is not given is (0.5, 0.5). Images with `distortion` are undistorted, their K stays. Images that
+/// are too large together are halved one by one as they are read.
 /// @throws InputError one sentence per fault, one fault a line: file, what was found, what was expected
 /// @throws IoError    the machine could not read a file that is there
 Capture load_capture(const std::filesystem::path& folder_or_zip, const LoadOptions& options = {});

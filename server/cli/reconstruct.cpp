@@ -81,6 +81,11 @@ void print_summary(const ReconstructCommand& request, const Report& report, cons
                  static_cast<unsigned long long>(report.log_bytes), last.psi, clock.total_seconds());
 }
 
+std::string sentence_of_halvings(int n_halvings, const LoadOptions& options) {
+    return "the photographs together have more than " + std::to_string(options.max_kept_pixels / 1'000'000) +
+           " megapixels, so 1/" + std::to_string(1 << n_halvings) + " of their width and height is used";
+}
+
 int reconstruct_capture(const ReconstructCommand& request) {
     const Interrupt interrupt;
     const ThreadLimit threads(request.n_threads);
@@ -88,6 +93,7 @@ int reconstruct_capture(const ReconstructCommand& request) {
     if (!request.quiet) warn(backend.sentence);
     StageClock clock;
     Capture capture = load_capture(request.capture, request.load);
+    if (!request.quiet && capture.n_halvings > 0) warn(sentence_of_halvings(capture.n_halvings, request.load));
 
     const TemporaryLog temporary(request.model);
     std::vector<ReportPoint> curve;
