@@ -405,14 +405,14 @@ def main():
         whole = {c.name: measured(bench, whole_binary, c, [], f"{c.name}-whole", options) for c in captures}
         result = {"machine": machine(), "distances_by": evaluator(), "vertices": options.vertices, "draws": options.draws}
         result["whole"] = whole
-        result["techniques"] = {
-            technique.name: ablate(bench, technique, sources, captures, whole, options)
-            for technique in TECHNIQUES
-            if technique.name in options.only
-        }
-        if options.out is not None:
-            options.out.mkdir(parents=True, exist_ok=True)
-            (options.out / "ablation.md").write_text(markdown(result))
+        result["techniques"] = {}
+        for technique in TECHNIQUES:
+            if technique.name not in options.only:
+                continue
+            result["techniques"][technique.name] = ablate(bench, technique, sources, captures, whole, options)
+            if options.out is not None:  # anew after each: a run that is stopped leaves what it has
+                options.out.mkdir(parents=True, exist_ok=True)
+                (options.out / "ablation.md").write_text(markdown(result))
         return result
 
     finish(in_work_folder(options, measure), options, "ablation")
