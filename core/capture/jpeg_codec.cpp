@@ -48,7 +48,8 @@ std::optional<PixelRows> decode_jpeg(std::span<const std::uint8_t> bytes, int wi
     if (tjDecompress2(jpeg.get(), bytes.data(), bytes.size(), rows.bytes.data(), width, 0, height, format, 0) != 0 &&
         tjGetErrorCode(jpeg.get()) != TJERR_WARNING)
         return std::nullopt;
-    return is_cmyk ? to_rgb(rows) : rows;
+    if (is_cmyk) return to_rgb(rows);
+    return rows;
 }
 
 std::vector<std::uint8_t> encode_jpeg(const PixelRows& rows, int quality) {
