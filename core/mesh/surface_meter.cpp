@@ -76,9 +76,12 @@ Pair pair_from_face(const Corners& corners, const Vec3& weights, const TrueSurfa
 }
 
 void add(FaceDistance& sum, const Pair& pair, double area) {
-    const Vec3 &w = pair.weights, &n = pair.true_normal;
     sum.area += area;
     sum.squared += area * pair.squared_distance;
+}
+
+void add(FaceQuadratic& sum, const Pair& pair, double area) {
+    const Vec3 &w = pair.weights, &n = pair.true_normal;
     const Symmetric3 projector{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[1] * n[2], n[2] * n[0]};
     const std::array<double, 6> products{w[0] * w[0], w[1] * w[1], w[2] * w[2], w[0] * w[1], w[1] * w[2], w[2] * w[0]};
     for (std::size_t k = 0; k < 3; ++k) sum.gradient[k] -= (2 * area * pair.offset * w[static_cast<int>(k)]) * n;
@@ -147,7 +150,8 @@ std::vector<Vec3> SurfaceMeter::nearest_to_samples(const Mesh& mesh, std::size_t
     return points;
 }
 
-std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh) {
+template <class Face>
+std::vector<Face> SurfaceMeter::measure(const Mesh& mesh) {
     const std::size_t n_faces = mesh.triangles.size();
     nearest_of_face_.resize(n_faces, -1);
     nearest_of_sample_.resize(surface_.samples.size(), -1);
@@ -158,10 +162,10 @@ std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh) {
     const double area_of_sample = 0.5 * surface_.area / static_cast<double>(n_samples);
     const std::vector<Vec3> lattice = centres(steps_for(n_faces, fewest_points_));
 
-    std::vector<FaceDistance> result(n_faces);
+    std::vector<Face> result(n_faces);
     parallel_for(n_faces, [&](std::size_t f) {
         const Corners corners(mesh, f);
-        FaceDistance& sum = result[f];
+        Face& sum = result[f];
         for (std::size_t k = by_face.begin[f]; k < by_face.begin[f + 1]; ++k) {
             const std::size_t i = by_face.order[k];
             const std::int32_t true_face = surface_.sample_faces[i];
@@ -175,5 +179,9 @@ std::vector<FaceDistance> SurfaceMeter::measure(const Mesh& mesh) {
     });
     return result;
 }
+
+std::vector<FaceDistance> SurfaceMeter::distances(const Mesh& mesh) { return measure<FaceDistance>(mesh); }
+
+std::vector<FaceQuadratic> SurfaceMeter::quadratics(const Mesh& mesh) { return measure<FaceQuadratic>(mesh); }
 
 }  // namespace anyrate

@@ -13,13 +13,17 @@ namespace anyrate {
 using Symmetric3 = std::array<double, 6>;
 
 /// How far a face is from the true surface, both ways with half the weight each: points of the face to the surface, and
-/// points of the surface whose nearest face it is. With u_k the displacements of its corners, world units, the integral
-/// over the squared distances to the tangent planes is
-///
-///     E(u) = E(0) + sum_k g_k . u_k + 1/2 sum_kl u_k . H_kl u_l
+/// points of the surface whose nearest face it is.
 struct FaceDistance {
     double area = 0;     ///< that was measured, world units squared
     double squared = 0;  ///< integral of the squared distance, world units to the fourth
+};
+
+/// How that distance changes as the corners of the face move. With u_k their displacements, world units, the integral
+/// over the squared distances to the tangent planes is
+///
+///     E(u) = E(0) + sum_k g_k . u_k + 1/2 sum_kl u_k . H_kl u_l
+struct FaceQuadratic {
     std::array<Vec3, 3> gradient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< g_k
     std::array<Symmetric3, 6> hessian{};                                     ///< H_kl of corners 00 11 22 01 12 20
 };
@@ -34,9 +38,14 @@ public:
         : surface_(surface), fewest_points_(fewest_points) {}
 
     /// @return one per face
-    std::vector<FaceDistance> measure(const Mesh& mesh);
+    std::vector<FaceDistance> distances(const Mesh& mesh);
+    /// @return one per face
+    std::vector<FaceQuadratic> quadratics(const Mesh& mesh);
 
 private:
+    /// Adds to one Face each what the pairs of points that should meet say of it.
+    template <class Face>
+    std::vector<Face> measure(const Mesh& mesh);
     /// The nearest point of the mesh on the same side, for each of the first samples.
     std::vector<Vec3> nearest_to_samples(const Mesh& mesh, std::size_t n_samples);
 

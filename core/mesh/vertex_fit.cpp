@@ -29,7 +29,7 @@ Vec3 product(const Symmetric3& m, const Vec3& v) {
 class Quadratic {
 public:
     /// @param directions  unit, one per vertex of the mesh: in which it may move
-    Quadratic(const Mesh& mesh, std::span<const std::int32_t> active, std::span<const FaceDistance> faces,
+    Quadratic(const Mesh& mesh, std::span<const std::int32_t> active, std::span<const FaceQuadratic> faces,
               std::span<const Vec3> directions, double damping)
         : gradient_(active.size(), 0.0), diagonal_(active.size(), 0.0), damping_(damping) {
         std::vector<std::int32_t> index(mesh.vertices.size(), -1);
@@ -121,7 +121,7 @@ std::vector<double> mean_edge_lengths(const Mesh& mesh) {
 
 /// Half the second derivative of the squared distance by a move of each vertex alone.
 /// @param directions  unit, one per vertex of the mesh
-std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceDistance> faces,
+std::vector<double> displacement_costs(const Mesh& mesh, std::span<const FaceQuadratic> faces,
                                        std::span<const Vec3> directions) {
     std::vector<double> costs(mesh.vertices.size(), 0.0);
     for (std::size_t f = 0; f < faces.size(); ++f)
@@ -182,7 +182,7 @@ bool is_unit(const Vec3& normal) { return std::abs(normal.squaredNorm() - 1) < 1
 /// @param directions  unit, one per vertex of the mesh
 /// @param faces       as measured; afterwards the gradients are those where the vertices stand now
 void fit_along(std::span<const Vec3> directions, Mesh& mesh, std::span<const std::int32_t> active,
-               std::vector<FaceDistance>& faces, const Moves& moves) {
+               std::vector<FaceQuadratic>& faces, const Moves& moves) {
     const std::vector<double> u = Quadratic(mesh, active, faces, directions, moves.damping).minimum();
     const std::vector<double> edges = mean_edge_lengths(mesh);
     const std::vector<Vec3> before(mesh.vertices);
@@ -208,7 +208,7 @@ void fit_along(std::span<const Vec3> directions, Mesh& mesh, std::span<const std
 
 std::vector<double> fit_vertices(Mesh& mesh, std::span<const std::int32_t> active, SurfaceMeter& meter,
                                  const FitOptions& options) {
-    std::vector<FaceDistance> faces = meter.measure(mesh);
+    std::vector<FaceQuadratic> faces = meter.quadratics(mesh);
     const std::vector<Vec3> normals = vertex_normals(mesh);
     if (options.slides) {
         std::vector<Vec3> directions(normals.size(), Vec3::Zero());

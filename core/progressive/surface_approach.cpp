@@ -18,7 +18,7 @@ std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
     MeasuredMesh now{state.to_mesh(), {}, {}};
-    now.faces = meter.measure(now.mesh);
+    now.faces = meter.distances(now.mesh);
     now.twins.resize(3 * now.faces.size());
     for (std::size_t h = 0; h < now.twins.size(); ++h) now.twins[h] = state.twin(static_cast<std::int32_t>(h));
     return now;

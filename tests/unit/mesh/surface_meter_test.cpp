@@ -28,12 +28,13 @@ struct Total {
 /// Of all faces; `slope` is the derivative if every vertex moves outward alike.
 Total total(const Mesh& mesh, const TrueSurface& surface) {
     SurfaceMeter meter(surface);
-    const std::vector<FaceDistance> faces = meter.measure(mesh);
+    const std::vector<FaceDistance> distances = meter.distances(mesh);
+    const std::vector<FaceQuadratic> faces = meter.quadratics(mesh);
     const std::vector<Vec3> normals = vertex_normals(mesh);
     Total sum;
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        sum.area += faces[f].area;
-        sum.squared += faces[f].squared;
+        sum.area += distances[f].area;
+        sum.squared += distances[f].squared;
         for (std::size_t k = 0; k < 3; ++k)
             sum.slope += faces[f].gradient[k].dot(normals[static_cast<std::size_t>(mesh.triangles[f][k])]);
     }
@@ -96,7 +97,7 @@ TEST_CASE(
     const Mesh mesh = octahedron();
     const TrueSurface surface(mesh, 60'000);
     SurfaceMeter meter(surface);
-    const auto half_the_curvature = [](const FaceDistance& face, const Vec3& move) {
+    const auto half_the_curvature = [](const FaceQuadratic& face, const Vec3& move) {
         double sum = 0;
         for (std::size_t k = 0; k < 6; ++k) {
             const Symmetric3& m = face.hessian[k];
@@ -107,14 +108,15 @@ TEST_CASE(
         }
         return 0.5 * sum;
     };
-    const std::vector<FaceDistance> faces = meter.measure(mesh);
+    const std::vector<FaceDistance> distances = meter.distances(mesh);
+    const std::vector<FaceQuadratic> faces = meter.quadratics(mesh);
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const auto& [a, b, c] = mesh.triangles[f];
         const auto at = [&](std::int32_t v) { return mesh.vertices[static_cast<std::size_t>(v)]; };
         const Vec3 normal = twice_area_vector(at(a), at(b), at(c)).normalized(), along = at(b) - at(a);
-        CHECK(half_the_curvature(faces[f], 0.1 * normal) == doctest::Approx(0.01 * faces[f].area));
+        CHECK(half_the_curvature(faces[f], 0.1 * normal) == doctest::Approx(0.01 * distances[f].area));
         CHECK(std::abs(half_the_curvature(faces[f], along)) < 1e-12);
-        CHECK(half_the_curvature(faces[f], along + 0.1 * normal) == doctest::Approx(0.01 * faces[f].area));
+        CHECK(half_the_curvature(faces[f], along + 0.1 * normal) == doctest::Approx(0.01 * distances[f].area));
     }
 }
 
