@@ -252,6 +252,7 @@ ConfirmedDepth confirm(std::span<const DepthView> views, const DepthView& own, c
     const Image<float>& known = own.map->inverse_depth;
     const DepthMap nothing{own.map->P, own.map->step, Image<float>(known.width, known.height, 0.0f), {}};
     ConfirmedDepth result{nothing, nothing};
+    result.confirmed.agreement = own.map->agreement;
     for (int y = 0; y < known.height; ++y)
         for (int x = 0; x < known.width; x += static_cast<int>(n_lanes)) {
             PointLanes points;

@@ -14,9 +14,10 @@ struct ConfirmOptions {
     double least_agreement = 0.3;  ///< of the images, see DepthMap
 };
 
-/// What is left of depth maps, in their order; without the images' agreement, of which nobody asks any more.
+/// What is left of depth maps, in their order.
 struct ConfirmedDepths {
-    std::vector<DepthMap> found;      ///< what is confirmed, and what enough other views find whoever contradicts them
+    std::vector<DepthMap> found;      ///< what is confirmed, and what enough other views find whoever contradicts them;
+                                      ///< without the images' agreement
     std::vector<DepthMap> confirmed;  ///< what others find, and not half as many contradict
 };
 

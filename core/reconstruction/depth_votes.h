@@ -6,25 +6,29 @@
 
 namespace anyrate {
 
-/// What views say of the nodes of a regular lattice: node (i, j, k) stands at origin + spacing * (i, j, k) and is entry
-/// (k * ny + j) * nx + i.
-struct VoteField {
-    int nx = 0, ny = 0, nz = 0;
-    Vec3 origin = Vec3::Zero();
-    double spacing = 1.0;
-    std::vector<float> mean;    ///< of the votes, from -1, inside the object, to +1, outside
-    std::vector<float> weight;  ///< the number of votes
+/// Nodes of a regular grid that follow each other along the first axis.
+struct NodeRow {
+    Vec3 first;          ///< world units
+    double spacing = 0;  ///< world units
+};
+
+/// What views say of the nodes of a row.
+struct RowVotes {
+    std::vector<float> sum;     ///< of the votes, each from -1, inside the object, to +1, outside, times its weight
+    std::vector<float> weight;  ///< of all votes together
 };
 
 struct VoteOptions {
-    double spacing = 0;        ///< world units
     double truncation_px = 2;  ///< of disparity: further in front of the surface is outside; further behind, hidden
 };
 
 /// Every depth map votes on every node that it does not hide: by how far in front of its surface the node lies, cut off
-/// at the truncation. Several views outvote a wrong one, and what many see through stays free.
+/// at the truncation. Several views outvote a wrong one, and what many see through stays free. A vote weighs as much as
+/// the square of the images' agreement: where a surface is seen so flat that windows hardly agree, two views find the
+/// same false depth, and no third is there to outvote them (from every second view of a bust, its crown was hollow).
 /// Source: Curless and Levoy 1996, "A volumetric method for building complex models from range images".
-/// @param lower, upper  of the box the lattice covers, world units
-VoteField depth_votes(const Vec3& lower, const Vec3& upper, std::span<const DepthMap> maps, const VoteOptions& options);
+/// @param maps   with the images' agreement, see confirm_depths()
+/// @param votes  as long as the row; what is there is replaced
+void depth_votes(std::span<const DepthMap> maps, const NodeRow& row, RowVotes& votes, const VoteOptions& options = {});
 
 }  // namespace anyrate

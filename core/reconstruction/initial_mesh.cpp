@@ -28,31 +28,21 @@ double poisson_spacing(const VisualHull& hull) {
     return hull.cell * std::max(hull_cells, std::cbrt((nodes.array() + 16.0).prod() / most_nodes));
 }
 
-// The votes' lattice is twice as coarse as the hull.
-constexpr double vote_cells = 2.0;
-
 // So near the hull the photographs decide: the optimiser gets there from it, as it does where nothing is seen through.
 constexpr double hull_reach_cells = 12.0;
 
 // How far a point of a guessed part speaks for the surface around it.
 constexpr double reach_cells = 3.0;
 
-// Around a handle that noise of the masks makes it is a few cells; around one of the object that the images resolve,
-// more.
-constexpr double handle_loop_cells = 8.0;
+// Around a handle that noise of the masks makes it is a few cells, around a tunnel that false depths dig through a thin
+// wall some more (a bowl from every second view: two are left of four with 8); around a handle of the object that the
+// images resolve, more than these.
+constexpr double handle_loop_cells = 12.0;
 
-/// The hull without its lids over cavities, and where the space behind them is free.
-struct Carved {
-    std::vector<OrientedPoint> points;
-    VoteField votes;
-    std::vector<DepthMap> shown;  ///< what some views find, even if others contradict it
-};
-
-Carved carve_cavities(const VisualHull& hull, const PhotoImages& images) {
-    ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));
-    return {without_seen_through(hull.points, depths.confirmed),
-            depth_votes(hull.lower, hull.upper, depths.confirmed, {.spacing = vote_cells * hull.cell}),
-            std::move(depths.found)};
+/// The surface through the hull's points that no views see through, and out of the space that depths show free.
+ScalarField carved_field(const VisualHull& hull, std::span<const DepthMap> confirmed, double spacing) {
+    const auto votes = [&](const NodeRow& row, RowVotes& of_row) { depth_votes(confirmed, row, of_row); };
+    return poisson_field(without_seen_through(hull.points, confirmed), {.spacing = spacing}, votes);
 }
 
 }  // namespace
@@ -64,19 +54,19 @@ InitialSurface initial_surface(const VisualHull& hull, const PhotoImages& images
         if (progress) progress({stage, fraction, 0, 0.0});
     };
     report(Stage::hull, 0.5);
-    const Carved carved = carve_cavities(hull, images);
+    const ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));
     report(Stage::hull, 1.0);
 
     report(Stage::poisson, 0.0);
     const double spacing = poisson_spacing(hull);
     InitialSurface initial;
-    initial.mesh = largest_component(iso_surface(poisson_field(carved.points, {.spacing = spacing}, carved.votes)));
+    initial.mesh = largest_component(iso_surface(carved_field(hull, depths.confirmed, spacing)));
     report(Stage::poisson, 0.5);
     initial.mesh = remove_small_handles(initial.mesh, handle_loop_cells * spacing);
     const std::vector<char> unseen = unseen_vertices(initial.mesh, images);
     stretch(initial.mesh, unseen);
     const std::vector<OrientedPoint> seen = without_unseen(hull.points, images);
-    initial.guessed = GuessedSurface(guessed_points(initial.mesh, unseen, {hull.points, seen}, carved.shown,
+    initial.guessed = GuessedSurface(guessed_points(initial.mesh, unseen, {hull.points, seen}, depths.found,
                                                     {.reach = hull_reach_cells * hull.cell}),
                                      reach_cells * spacing);
     report(Stage::poisson, 1.0);

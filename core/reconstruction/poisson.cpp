@@ -249,30 +249,22 @@ void splat_all(std::span<const OrientedPoint> points, const Placement& grid, dou
                      1);
 }
 
-// Adds what the votes want at the nodes within their lattice, interpolated: u from -1, inside, to 0.
-void add_votes(const VoteField& votes, const Placement& grid, double strength, Level& level) {
+// Adds what the votes want at the inner nodes: u from -1, inside, to 0.
+void add_votes(const VoteFn& votes, const Placement& grid, double strength, Level& level) {
     const auto vote = static_cast<float>(strength);
-    const auto row = static_cast<std::size_t>(votes.nx), plane = row * static_cast<std::size_t>(votes.ny);
-    const Vec3 last(votes.nx - 1, votes.ny - 1, votes.nz - 1);
-    const auto add_at = [&](int i, int j, int k) {
-        const Vec3 place = (grid.origin + grid.spacing * Vec3(i, j, k) - votes.origin) / votes.spacing;
-        if (!(place.array() >= 0.0).all() || !(place.array() < last.array()).all()) return;
-        float sum = 0, n_votes = 0;
-        for_each_corner(place, [&](int x, int y, int z, float weight) {
-            const std::size_t n =
-                static_cast<std::size_t>(z) * plane + static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
-            sum += weight * votes.weight[n] * votes.mean[n];
-            n_votes += weight * votes.weight[n];
-        });
-        const std::size_t node = grid.size.node(i, j, k);
-        level.sigma[node] += vote * n_votes;
-        level.f[node] += vote * 0.5f * (sum - n_votes);
-    };
     parallel_for(
         static_cast<std::size_t>(grid.size.nz - 2),
         [&](std::size_t plane_above_border) {
-            for (int j = 1; j + 1 < grid.size.ny; ++j)
-                for (int i = 1; i + 1 < grid.size.nx; ++i) add_at(i, j, static_cast<int>(plane_above_border) + 1);
+            const int k = static_cast<int>(plane_above_border) + 1;
+            RowVotes row{std::vector<float>(grid.size.row()), std::vector<float>(grid.size.row())};
+            for (int j = 1; j + 1 < grid.size.ny; ++j) {
+                votes({grid.origin + grid.spacing * Vec3(0, j, k), grid.spacing}, row);
+                const std::size_t start = grid.size.node(0, j, k);
+                for (std::size_t i = 1; i + 1 < grid.size.row(); ++i) {
+                    level.sigma[start + i] += vote * row.weight[i];
+                    level.f[start + i] += vote * 0.5f * (row.sum[i] - row.weight[i]);
+                }
+            }
         },
         1);
 }
@@ -320,8 +312,7 @@ Placement place_grid(std::span<const OrientedPoint> points, const PoissonOptions
 
 }  // namespace
 
-ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options,
-                          const VoteField& votes) {
+ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOptions& options, const VoteFn& votes) {
     assert(options.spacing > 0.0 && options.margin >= 2);
     if (points.empty()) throw InputError("poisson: expected oriented points, got none");
     int n_levels = 0;
@@ -334,7 +325,7 @@ ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOp
         size = {size.nx / 2 + 1, size.ny / 2 + 1, size.nz / 2 + 1};
     }
     splat_all(points, grid, options.screening, levels.front());
-    if (!votes.mean.empty()) add_votes(votes, grid, options.vote, levels.front());
+    if (votes) add_votes(votes, grid, options.vote, levels.front());
     solve(levels);
 
     ScalarField field{grid.size.nx, grid.size.ny, grid.size.nz, grid.origin, grid.spacing, std::move(levels.front().u)};

@@ -8,7 +8,7 @@
 namespace anyrate {
 
 struct SeenThroughOptions {
-    double margin_px = 3.0;  ///< of disparity at the sweep's level: closer than this, the hull is right
+    double margin_px = 1.0;  ///< of disparity at the sweep's level: closer than this, the hull is right
     int n_views = 3;         ///< that must see through a point
 };
 

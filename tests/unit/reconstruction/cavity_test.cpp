@@ -19,11 +19,17 @@ const Vec3 towards_camera(0, 0, -1);
 
 OrientedPoint point_at(double z) { return {Vec3(0, 0, z), towards_camera, 1.0}; }
 
-float vote_at(const VoteField& field, int k) {
-    return field.mean[static_cast<std::size_t>((k * field.ny + field.ny / 2) * field.nx + field.nx / 2)];
-}
-float weight_at(const VoteField& field, int k) {
-    return field.weight[static_cast<std::size_t>((k * field.ny + field.ny / 2) * field.nx + field.nx / 2)];
+/// Of the nodes at these heights on the axis that the views look along.
+RowVotes votes_at(std::span<const DepthMap> maps, std::initializer_list<double> heights,
+                  const VoteOptions& options = {}) {
+    RowVotes all;
+    for (const double z : heights) {
+        RowVotes one{{7.0f}, {7.0f}};  // whatever was there before
+        depth_votes(maps, {Vec3(0, 0, z), 1.0}, one, options);
+        all.sum.push_back(one.sum[0]);
+        all.weight.push_back(one.weight[0]);
+    }
+    return all;
 }
 
 }  // namespace
@@ -43,23 +49,38 @@ TEST_CASE("Seen through: a point on the surface or behind it stays") {
 
 TEST_CASE("Depth votes: one outside, minus one inside, none where the surface hides the node") {
     const std::vector<DepthMap> maps(2, wall_at_zero(4));
-    // A pixel of disparity is about 0.04 world units of depth here; nodes from z = -0.4 to 0.4.
-    const VoteField field =
-        depth_votes(Vec3(-0.1, -0.1, -0.4), Vec3(0.1, 0.1, 0.4), maps, {.spacing = 0.05, .truncation_px = 2});
-    CHECK(vote_at(field, 0) == doctest::Approx(1));
-    CHECK(vote_at(field, 8) == doctest::Approx(0).epsilon(1e-6));
-    CHECK(vote_at(field, 9) < -0.5f);
-    CHECK(weight_at(field, 9) == 2);
-    CHECK(weight_at(field, 16) == 0);
+    // A pixel of disparity is about 0.04 world units of depth here.
+    const RowVotes votes = votes_at(maps, {-0.4, 0.0, 0.05, 0.4}, {.truncation_px = 2});
+    CHECK(votes.sum[0] == doctest::Approx(2));
+    CHECK(votes.sum[1] == doctest::Approx(0).epsilon(1e-6));
+    CHECK(votes.sum[2] < -1.0f);
+    CHECK(votes.weight == std::vector<float>{2, 2, 2, 0});
 }
 
-TEST_CASE("Depth votes: the votes of several views are averaged") {
+TEST_CASE("Depth votes: a vote weighs as much as the square of the images' agreement") {
+    std::vector<DepthMap> maps(2, wall_at_zero(4));
+    maps[1].agreement = Image<float>(33, 33, 0.5f);
+    const RowVotes votes = votes_at(maps, {-0.4});
+    CHECK(votes.weight[0] == doctest::Approx(1.25));
+    CHECK(votes.sum[0] == doctest::Approx(1.25));
+}
+
+TEST_CASE("Depth votes: the nodes of a row are a spacing apart along the first axis") {
+    DepthMap half = wall_at_zero(4);  // known where x is negative
+    for (int y = 0; y < half.inverse_depth.height; ++y)
+        for (int x = half.inverse_depth.width / 2; x < half.inverse_depth.width; ++x) half.inverse_depth(x, y) = 0;
+    RowVotes row{std::vector<float>(2), std::vector<float>(2)};
+    depth_votes(std::vector{half}, {Vec3(-0.1, 0, -0.4), 0.2}, row);
+    CHECK(row.weight == std::vector<float>{1, 0});
+}
+
+TEST_CASE("Depth votes: the votes of several views add up") {
     const std::vector<DepthMap> maps = {wall_at_zero(4), wall_at_zero(4), DepthMap{}};
     std::vector<DepthMap> moved = maps;
     moved[1].inverse_depth = Image<float>(33, 33, static_cast<float>(1 / 3.0));  // a wall nearer to this view
-    const VoteField field = depth_votes(Vec3(-0.1, -0.1, -1.02), Vec3(0.1, 0.1, 0), moved, {.spacing = 0.02});
-    CHECK(weight_at(field, 1) == 2);
-    CHECK(vote_at(field, 1) == doctest::Approx(0.5).epsilon(0.05));  // on its wall, in front of the other
+    const RowVotes votes = votes_at(moved, {-1});
+    CHECK(votes.weight[0] == 2);
+    CHECK(votes.sum[0] == doctest::Approx(1).epsilon(0.05));  // on its wall, in front of the other
 }
 
 TEST_CASE("Guessed surface: neither a silhouette nor a view shows the back of a wall") {

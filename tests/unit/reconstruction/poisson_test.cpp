@@ -147,18 +147,16 @@ TEST_CASE("Poisson: the surface keeps out of what the votes call outside") {
     // A ball without its cap above z = 0.5, where three views see into a pit down to z = 0.
     std::vector<OrientedPoint> points = sphere_points_for(spacing);
     std::erase_if(points, [](const OrientedPoint& point) { return point.position.z() > 0.5; });
-    VoteField votes{25, 25, 25, Vec3::Constant(-1.2), 0.1, {}, {}};
-    for (int k = 0; k < votes.nz; ++k)
-        for (int j = 0; j < votes.ny; ++j)
-            for (int i = 0; i < votes.nx; ++i) {
-                const Vec3 node = votes.origin + votes.spacing * Vec3(i, j, k);
-                const bool is_free = node.z() > 0 && node.head<2>().norm() < 0.5;
-                votes.mean.push_back(is_free ? 1.0f : 0.0f);
-                votes.weight.push_back(is_free ? 3.0f : 0.0f);
-            }
-    const auto height_on_axis = [&](const VoteField& field) {
+    const VoteFn votes = [](const NodeRow& row, RowVotes& of_row) {
+        for (std::size_t i = 0; i < of_row.sum.size(); ++i) {
+            const Vec3 node = row.first + static_cast<double>(i) * row.spacing * Vec3::UnitX();
+            const bool is_free = node.z() > 0 && node.head<2>().norm() < 0.5;
+            of_row.sum[i] = of_row.weight[i] = is_free ? 3.0f : 0.0f;
+        }
+    };
+    const auto height_on_axis = [&](const VoteFn& asked) {
         double z = -1;
-        for (const Vec3& v : iso_surface(poisson_field(points, {.spacing = spacing}, field)).vertices)
+        for (const Vec3& v : iso_surface(poisson_field(points, {.spacing = spacing}, asked)).vertices)
             if (v.head<2>().norm() < 0.15) z = std::max(z, v.z());
         return z;
     };
