@@ -55,6 +55,21 @@ TECHNIQUES = [
         "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull)); depths.confirmed.clear();",
     ),
     Technique(
+        "strong_votes",
+        "depths outvote the points of the hull's lids",
+        CORE + "poisson.h",
+        "double vote = 0.4;",
+        "double vote = 0.05;",
+    ),
+    Technique(
+        "votes_by_agreement",
+        "a depth's vote weighs as the square of its images' agreement; here every second view alone",
+        CORE + "depth_votes.cpp",
+        "of_vote = agreement * agreement;",
+        "of_vote = 1 + 0 * agreement;",
+        ["--keep-every", 2],
+    ),
+    Technique(
         "guesses",
         "what no image shows is bent and put on trial",
         CORE + "reconstruct.cpp",
