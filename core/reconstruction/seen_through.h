@@ -8,7 +8,8 @@
 namespace anyrate {
 
 struct SeenThroughOptions {
-    double margin_px = 1.0;  ///< of disparity at the sweep's level: closer than this, the hull is right
+    double margin_px = 1.0;  ///< of disparity at the sweep's level: closer than this, the hull is right; 3: lids
+                             ///< stay that are a few pixels off, such as over the fold behind a bust's ear
     int n_views = 3;         ///< that must see through a point
 };
 

@@ -55,8 +55,15 @@ TECHNIQUES = [
         "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull)); depths.confirmed.clear();",
     ),
     Technique(
+        "near_lids",
+        "the hull's points go where views see through them by one pixel of disparity, not by three",
+        CORE + "seen_through.h",
+        "double margin_px = 1.0;",
+        "double margin_px = 3.0;",
+    ),
+    Technique(
         "strong_votes",
-        "depths outvote the points of the hull's lids",
+        "depths outvote the points of the hull's lids; for deep cavities, which these two captures have not",
         CORE + "poisson.h",
         "double vote = 0.4;",
         "double vote = 0.05;",
