@@ -37,8 +37,10 @@ public:
     explicit SurfaceMeter(const TrueSurface& surface, int fewest_points = 60'000)
         : surface_(surface), fewest_points_(fewest_points) {}
 
+    /// @param mesh  world units
     /// @return one per face
     std::vector<FaceDistance> distances(const Mesh& mesh);
+    /// @param mesh  world units
     /// @return one per face
     std::vector<FaceQuadratic> quadratics(const Mesh& mesh);
 

@@ -41,6 +41,13 @@ TEST_CASE("Seen through: a point goes if enough views see the surface behind it"
     CHECK(without_seen_through(lid, maps, {.n_views = 4}).size() == 1);
 }
 
+TEST_CASE("Seen through: a lid goes from a pixel of disparity on") {
+    const std::vector<DepthMap> maps(3, wall_at_zero(4));
+    // A pixel of disparity is about 0.04 world units of depth here.
+    CHECK(without_seen_through(std::vector{point_at(-0.08)}, maps).empty());
+    CHECK(without_seen_through(std::vector{point_at(-0.02)}, maps).size() == 1);
+}
+
 TEST_CASE("Seen through: a point on the surface or behind it stays") {
     const std::vector<OrientedPoint> points = {point_at(0), point_at(0.5)};
     const std::vector<DepthMap> maps(3, wall_at_zero(4));
