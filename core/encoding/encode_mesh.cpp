@@ -9,6 +9,7 @@
 #include "core/encoding/surface_colours.h"
 #include "core/error.h"
 #include "core/mesh/coarse_fit.h"
+#include "core/mesh/self_intersections.h"
 #include "core/mesh/surface_meter.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/true_surface.h"
@@ -88,7 +89,8 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     const TrueSurface surface(mesh, std::clamp(samples_per_vertex * options.n_vertices, fewest_samples, most_samples));
     if (stop.stop_requested()) return EncodeEnd::before_the_base;
     SurfaceMeter base_meter(surface);
-    const Mesh coarse = fit_coarse_mesh(mesh, options.n_coarse, base_meter);
+    const bool may_meet = !self_intersections(mesh).empty();
+    const Mesh coarse = fit_coarse_mesh(mesh, options.n_coarse, base_meter, may_meet);
     if (stop.stop_requested()) return EncodeEnd::before_the_base;
 
     // From here on only the decoded integer state counts.
@@ -109,9 +111,9 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
         const std::vector<std::int32_t> batch =
             select_batch(state, split_scores(now, options.smallest_area), splits_of_batch(n_before, options));
         if (batch.empty()) break;
-        const BatchTargets targets = fit_batch(state, batch, meter);
-        const std::vector<SplitRecord> records =
-            emit_batch(state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(now)});
+        const FittedBatch fitted = fit_batch(state, batch, meter, may_meet);
+        const std::vector<SplitRecord> records = emit_batch(state, batch, fitted.targets, fitted.left_out,
+                                                            {.bit_price = options.bit_price * gain_of_a_bit(now)});
         now = measure(state, meter);
         const auto added = std::span(now.mesh.vertices).subspan(at(n_before));
         sink.batch(records, state, surface_colours(mesh, surface.nearest, added),

@@ -31,10 +31,18 @@ double squared_distance(const MeasuredMesh& now);
 /// @return one per face, world units cubed
 std::vector<double> distance_scores(const MeasuredMesh& now, double noise = 0);
 
+struct FittedBatch {
+    BatchTargets targets;                ///< with costs, world units to the fourth for a squared world unit
+    std::vector<std::int32_t> left_out;  ///< faces of the batch whose splits would have faces meet, ascending
+};
+
 /// Splits the batch on a copy of the state and moves the nine vertices of every split, all together, to where the
 /// squared distance is least.
-/// @return with costs, world units to the fourth for a squared world unit
-BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter);
+/// @param may_meet  whether faces may come to meet elsewhere than in what they share, as the surface's own do. If not,
+///                  their vertices stay, and where they meet even so (a split smooths, and turns edges) or met before,
+///                  splits are left out, but for a batch of which nothing would be left
+FittedBatch fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter,
+                      bool may_meet = false);
 
 /// What a bit brings as part of a split, world units to the fourth: the squared distance falls about with the square of
 /// the vertices, so that one more vertex of n lowers it by 2 / n of itself.

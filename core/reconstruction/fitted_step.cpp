@@ -31,10 +31,10 @@ std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const 
     const std::vector<std::int32_t> batch =
         select_batch(state, scores, batch_size(state.n_vertices(), options.growth, options).taken);
     if (batch.empty()) return std::nullopt;
-    const BatchTargets targets = fit_batch(state, batch, meter);
+    const FittedBatch fitted = fit_batch(state, batch, meter);
     RefinementStep step{state, {}, {}};
-    step.records =
-        emit_batch(step.state, batch, targets, {}, {.bit_price = options.bit_price * gain_of_a_bit(measured)});
+    step.records = emit_batch(step.state, batch, fitted.targets, fitted.left_out,
+                              {.bit_price = options.bit_price * gain_of_a_bit(measured)});
     if (step.records.empty()) return std::nullopt;
     return step;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/mesh/edges.h"
+#include "core/mesh/self_intersections.h"
 #include "core/progressive/batch_selection.h"
 #include "core/simulation/parametric_meshes.h"
 #include "tests/grid_scenes.h"
@@ -90,7 +91,8 @@ TEST_CASE("Approach: a batch's targets lie where chords and sphere are apart lea
     const MeasuredMesh before = measure(state, meter);
     const std::vector<std::int32_t> batch = select_batch(state, distance_scores(before), 40);
     REQUIRE(batch.size() == 40);
-    const BatchTargets targets = fit_batch(state, batch, meter);
+    const auto [targets, left_out] = fit_batch(state, batch, meter);
+    CHECK(left_out.empty());
     for (std::size_t k = 0; k < batch.size(); ++k) {
         REQUIRE(targets.new_vertices[k].has_value());
         for (std::size_t m = 0; m < 3; ++m) {
@@ -103,4 +105,54 @@ TEST_CASE("Approach: a batch's targets lie where chords and sphere are apart lea
     RefinableMesh after = state;
     emit_batch(after, batch, targets, {}, {.bit_price = 0.5 * gain_of_a_bit(before)});
     CHECK(squared_distance(measure(after, meter)) < squared_distance(before));
+}
+
+namespace {
+
+/// Two spheres beside each other along x, with their middles at `half` either way.
+Mesh two_spheres(int level, double radius, double half) {
+    Mesh both = icosphere(level, radius, {-half, 0, 0});
+    const Mesh other = icosphere(level, radius, {half, 0, 0});
+    const std::int32_t n = both.n_vertices();
+    both.vertices.insert(both.vertices.end(), other.vertices.begin(), other.vertices.end());
+    for (const Triangle& t : other.triangles) both.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+    return both;
+}
+
+}  // namespace
+
+TEST_CASE("Approach: pieces stay apart on their way to a surface whose pieces are not, unless they may meet") {
+    const TrueSurface overlapping(two_spheres(4, 0.42, 0.4), 60'000);
+    const auto pairs_after = [&](bool may_meet) {
+        RefinableMesh state(on_grid(two_spheres(2, 0.38, 0.4), unit_grid), unit_grid, {});
+        REQUIRE(self_intersections(state.to_mesh()).empty());
+        SurfaceMeter meter(overlapping);
+        const MeasuredMesh before = measure(state, meter);
+        for (int batch_number = 0; batch_number < 3; ++batch_number) {
+            const std::vector<std::int32_t> batch = select_batch(state, distance_scores(measure(state, meter)), 60);
+            const auto [targets, left_out] = fit_batch(state, batch, meter, may_meet);
+            CHECK(!emit_batch(state, batch, targets, left_out, {}).empty());
+        }
+        CHECK(squared_distance(measure(state, meter)) < 0.3 * squared_distance(before));
+        return self_intersections(state.to_mesh()).size();
+    };
+    CHECK(pairs_after(false) == 0);
+    CHECK(pairs_after(true) > 0);
+}
+
+TEST_CASE("Approach: where faces met before, splits wait, but for a batch of nothing else") {
+    const TrueSurface overlapping(two_spheres(4, 0.42, 0.4), 60'000);
+    const RefinableMesh state(on_grid(two_spheres(2, 0.42, 0.4), unit_grid), unit_grid, {});
+    SurfaceMeter meter(overlapping);
+    const auto pairs = self_intersections(state.to_mesh());
+    REQUIRE(!pairs.empty());
+    const std::int32_t meets = pairs.front().first;
+    CHECK(fit_batch(state, std::vector{meets}, meter).left_out.empty());
+    const Mesh mesh = state.to_mesh();
+    const auto far = std::ranges::min_element(mesh.triangles, {}, [&](const Triangle& t) {
+        return mesh.vertices[at(t[0])].x() + mesh.vertices[at(t[1])].x() + mesh.vertices[at(t[2])].x();
+    });
+    std::vector batch{meets, static_cast<std::int32_t>(far - mesh.triangles.begin())};
+    std::ranges::sort(batch);
+    CHECK(fit_batch(state, batch, meter).left_out == std::vector{meets});
 }
