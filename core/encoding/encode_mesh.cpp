@@ -14,7 +14,6 @@
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/true_surface.h"
 #include "core/progressive/base_on_grid.h"
-#include "core/progressive/batch_selection.h"
 #include "core/progressive/surface_approach.h"
 
 namespace anyrate {
@@ -108,12 +107,10 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     tell();
     while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
         const int n_before = state.n_vertices();
-        const std::vector<std::int32_t> batch =
-            select_batch(state, split_scores(now, options.smallest_area), splits_of_batch(n_before, options));
-        if (batch.empty()) break;
-        const FittedBatch fitted = fit_batch(state, batch, meter, may_meet);
-        const std::vector<SplitRecord> records = emit_batch(state, batch, fitted.targets, fitted.left_out,
-                                                            {.bit_price = options.bit_price * gain_of_a_bit(now)});
+        const std::vector<SplitRecord> records =
+            approach(state, split_scores(now, options.smallest_area), splits_of_batch(n_before, options), meter,
+                     {.bit_price = options.bit_price * gain_of_a_bit(now)}, may_meet);
+        if (records.empty()) break;
         now = measure(state, meter);
         const auto added = std::span(now.mesh.vertices).subspan(at(n_before));
         sink.batch(records, state, surface_colours(mesh, surface.nearest, added),

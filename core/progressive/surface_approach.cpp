@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "core/mesh/keep_apart.h"
+#include "core/mesh/self_intersections.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/vertex_fit.h"
+#include "core/progressive/batch_selection.h"
 #include "core/progressive/trial_batch.h"
 
 namespace anyrate {
@@ -14,23 +16,47 @@ namespace {
 constexpr double bits_per_vertex = 13;   ///< that a log takes, roughly: what a split costs
 constexpr double neighbour_share = 0.4;  ///< of a neighbour's error that a split removes; 0: a pot 1 to 3 % worse
 
+constexpr int most_attempts = 3;  ///< of a batch whose splits have faces meet
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// The faces of the batch whose splits made a face of the pairs, ascending.
-std::vector<std::int32_t> splits_of(std::span<const std::pair<std::int32_t, std::int32_t>> pairs,
-                                    const TrialBatch& trial, std::span<const std::int32_t> batch) {
-    std::vector<std::int32_t> split_of(trial.mesh.vertices.size(), -1);  // that a vertex is new by
-    for (std::size_t k = 0; k < batch.size(); ++k)
-        for (std::int32_t i = 0; trial.first_new[k] >= 0 && i < 3; ++i) split_of[at(trial.first_new[k] + i)] = batch[k];
-    std::vector<std::int32_t> splits;
+/// The faces of the splits that moved or made a corner of the pairs' faces, ascending. No vertex is moved by two.
+/// @param records  of the batch that made `after` of `before`
+std::vector<std::int32_t> splits_around(std::span<const std::pair<std::int32_t, std::int32_t>> pairs,
+                                        const RefinableMesh& before, const RefinableMesh& after,
+                                        std::span<const SplitRecord> records) {
+    if (pairs.empty()) return {};
+    std::vector<std::int32_t> split_of(at(after.n_vertices()), -1);
+    std::int32_t new_vertex = before.n_vertices();
+    for (const SplitRecord& record : records) {
+        for (int i = 0; i < 3; ++i) split_of[at(new_vertex++)] = record.face;
+        if (const auto site = before.split_site(record.face))
+            for (const std::int32_t v : *site) split_of[at(v)] = record.face;
+    }
+    std::vector<std::int32_t> faces;
     for (const auto& [f, g] : pairs)
         for (const std::int32_t face : {f, g})
-            for (const std::int32_t v : trial.mesh.triangles[at(face)])
-                if (split_of[at(v)] >= 0) splits.push_back(split_of[at(v)]);
-    std::ranges::sort(splits);
-    const auto repeated = std::ranges::unique(splits);
-    splits.erase(repeated.begin(), repeated.end());
-    return splits;
+            for (const std::int32_t v : after.triangles()[at(face)])
+                if (split_of[at(v)] >= 0) faces.push_back(split_of[at(v)]);
+    std::ranges::sort(faces);
+    const auto repeated = std::ranges::unique(faces);
+    faces.erase(repeated.begin(), repeated.end());
+    return faces;
+}
+
+/// The faces of the batch without which no split has faces meet, ascending.
+std::vector<std::int32_t> splits_that_meet(const RefinableMesh& state, std::span<const std::int32_t> batch,
+                                           const BatchTargets& targets, const Rounding& rounding) {
+    std::vector<std::int32_t> left_out;
+    for (;;) {
+        RefinableMesh after = state;
+        const std::vector<SplitRecord> records = emit_batch(after, batch, targets, left_out, rounding);
+        const std::vector<std::int32_t> more =
+            splits_around(self_intersections(after.to_mesh()), state, after, records);
+        if (more.empty()) return left_out;
+        left_out.insert(left_out.end(), more.begin(), more.end());
+        std::ranges::sort(left_out);
+    }
 }
 
 }  // namespace
@@ -67,23 +93,40 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
     return scores;
 }
 
-FittedBatch fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter,
-                      bool may_meet) {
+BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter,
+                       bool may_meet) {
     TrialBatch trial = try_batch(state, batch);
     const std::vector<Vec3> before(trial.mesh.vertices);
     const std::vector<double> costs = fit_vertices(trial.mesh, trial.active, meter, {});
-    FittedBatch fitted;
-    if (!may_meet) fitted.left_out = splits_of(keep_apart(trial.mesh, before), trial, batch);
-    if (std::ssize(fitted.left_out) == std::ranges::count_if(trial.first_new, [](std::int32_t v) { return v >= 0; }))
-        fitted.left_out.clear();
-    BatchTargets& targets = fitted.targets;
-    targets = targets_of(trial, state.n_vertices());
+    if (!may_meet) keep_apart(trial.mesh, before);
+    BatchTargets targets = targets_of(trial, state.n_vertices());
     targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
     targets.new_costs.resize(batch.size());
     for (std::size_t k = 0; k < batch.size(); ++k)
         if (const std::int32_t v = trial.first_new[k]; v >= 0)
             targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
-    return fitted;
+    return targets;
+}
+
+std::vector<SplitRecord> approach(RefinableMesh& state, std::vector<double> scores, int n_splits, SurfaceMeter& meter,
+                                  const Rounding& rounding, bool may_meet) {
+    std::vector<std::int32_t> batch = select_batch(state, scores, n_splits);
+    if (batch.empty()) return {};
+    for (int attempt = 1;; ++attempt) {
+        const BatchTargets targets = fit_batch(state, batch, meter, may_meet);
+        std::vector<std::int32_t> left_out;
+        if (!may_meet) left_out = splits_that_meet(state, batch, targets, rounding);
+        if (!left_out.empty() && attempt < most_attempts) {
+            for (const std::int32_t face : left_out) scores[at(face)] = 0;
+            if (auto others = select_batch(state, scores, n_splits); !others.empty()) {
+                batch = std::move(others);
+                continue;
+            }
+        }
+        std::vector<SplitRecord> records = emit_batch(state, batch, targets, left_out, rounding);
+        if (records.empty()) records = emit_batch(state, batch, targets, {}, rounding);  // the count has to be met
+        return records;
+    }
 }
 
 double gain_of_a_bit(const MeasuredMesh& now) {

@@ -1,7 +1,6 @@
 #include "core/reconstruction/fitted_step.h"
 
 #include "core/mesh/surface_meter.h"
-#include "core/progressive/batch_selection.h"
 #include "core/progressive/surface_approach.h"
 #include "core/reconstruction/pixel_footprint.h"
 
@@ -26,15 +25,12 @@ std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const 
     const MeasuredMesh measured = measure(state, meter);
     const std::vector<char> none_rejected(measured.faces.size(), 0);
     const double noise = noise_px * pixel_footprint(mean_vertex(measured.mesh), scene.images);
-    const std::vector<double> scores = split_scores(measured.mesh, distance_scores(measured, noise),
-                                                    scene.guessed.vertices(measured.mesh), none_rejected, options);
-    const std::vector<std::int32_t> batch =
-        select_batch(state, scores, batch_size(state.n_vertices(), options.growth, options).taken);
-    if (batch.empty()) return std::nullopt;
-    const FittedBatch fitted = fit_batch(state, batch, meter);
     RefinementStep step{state, {}, {}};
-    step.records = emit_batch(step.state, batch, fitted.targets, fitted.left_out,
-                              {.bit_price = options.bit_price * gain_of_a_bit(measured)});
+    step.records = approach(step.state,
+                            split_scores(measured.mesh, distance_scores(measured, noise),
+                                         scene.guessed.vertices(measured.mesh), none_rejected, options),
+                            batch_size(state.n_vertices(), options.growth, options).taken, meter,
+                            {.bit_price = options.bit_price * gain_of_a_bit(measured)});
     if (step.records.empty()) return std::nullopt;
     return step;
 }

@@ -201,7 +201,9 @@ TrueSurface sampled(const Mesh& fine) { return {fine, samples_per_vertex * fine.
 /// 0.058 % of the diagonal, fitted 0.052 %).
 Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int n_vertices) {
     SurfaceMeter meter(fitted);
-    return fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
+    Mesh base = fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
+    untangle(base);  // as few faces as these may be simplified into each other
+    return base;
 }
 
 /// The optimised surface again, with its vertices where it bends: simplified by quadrics, subdivided and optimised. The

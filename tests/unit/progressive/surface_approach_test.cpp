@@ -91,8 +91,7 @@ TEST_CASE("Approach: a batch's targets lie where chords and sphere are apart lea
     const MeasuredMesh before = measure(state, meter);
     const std::vector<std::int32_t> batch = select_batch(state, distance_scores(before), 40);
     REQUIRE(batch.size() == 40);
-    const auto [targets, left_out] = fit_batch(state, batch, meter);
-    CHECK(left_out.empty());
+    const BatchTargets targets = fit_batch(state, batch, meter);
     for (std::size_t k = 0; k < batch.size(); ++k) {
         REQUIRE(targets.new_vertices[k].has_value());
         for (std::size_t m = 0; m < 3; ++m) {
@@ -129,9 +128,9 @@ TEST_CASE("Approach: pieces stay apart on their way to a surface whose pieces ar
         SurfaceMeter meter(overlapping);
         const MeasuredMesh before = measure(state, meter);
         for (int batch_number = 0; batch_number < 3; ++batch_number) {
-            const std::vector<std::int32_t> batch = select_batch(state, distance_scores(measure(state, meter)), 60);
-            const auto [targets, left_out] = fit_batch(state, batch, meter, may_meet);
-            CHECK(!emit_batch(state, batch, targets, left_out, {}).empty());
+            const int n_before = state.n_vertices();
+            CHECK(approach(state, distance_scores(measure(state, meter)), 30, meter, {}, may_meet).size() == 30);
+            CHECK(state.n_vertices() == n_before + 90);
         }
         CHECK(squared_distance(measure(state, meter)) < 0.3 * squared_distance(before));
         return self_intersections(state.to_mesh()).size();
@@ -140,19 +139,27 @@ TEST_CASE("Approach: pieces stay apart on their way to a surface whose pieces ar
     CHECK(pairs_after(true) > 0);
 }
 
-TEST_CASE("Approach: where faces met before, splits wait, but for a batch of nothing else") {
+TEST_CASE("Approach: where faces met before, others are split instead, if there are") {
     const TrueSurface overlapping(two_spheres(4, 0.42, 0.4), 60'000);
     const RefinableMesh state(on_grid(two_spheres(2, 0.42, 0.4), unit_grid), unit_grid, {});
     SurfaceMeter meter(overlapping);
-    const auto pairs = self_intersections(state.to_mesh());
+    const auto split = [&](const std::vector<double>& scores) {
+        RefinableMesh after = state;
+        const std::vector<SplitRecord> records = approach(after, scores, 1, meter, {});
+        REQUIRE(records.size() == 1);
+        return records[0].face;
+    };
+    const Mesh mesh = state.to_mesh();
+    const auto pairs = self_intersections(mesh);
     REQUIRE(!pairs.empty());
     const std::int32_t meets = pairs.front().first;
-    CHECK(fit_batch(state, std::vector{meets}, meter).left_out.empty());
-    const Mesh mesh = state.to_mesh();
-    const auto far = std::ranges::min_element(mesh.triangles, {}, [&](const Triangle& t) {
+    const auto leftmost = std::ranges::min_element(mesh.triangles, {}, [&](const Triangle& t) {
         return mesh.vertices[at(t[0])].x() + mesh.vertices[at(t[1])].x() + mesh.vertices[at(t[2])].x();
     });
-    std::vector batch{meets, static_cast<std::int32_t>(far - mesh.triangles.begin())};
-    std::ranges::sort(batch);
-    CHECK(fit_batch(state, batch, meter).left_out == std::vector{meets});
+    const auto meets_none = static_cast<std::int32_t>(leftmost - mesh.triangles.begin());
+    std::vector<double> scores(mesh.triangles.size(), 0.0);
+    scores[at(meets)] = 2;
+    CHECK(split(scores) == meets);
+    scores[at(meets_none)] = 1;
+    CHECK(split(scores) == meets_none);
 }
