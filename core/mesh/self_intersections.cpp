@@ -135,10 +135,13 @@ public:
         std::vector<std::vector<FacePair>> found(runs.size());
         parallel_for(runs.size(), [&](std::size_t r) {
             const std::size_t end = r + 1 < runs.size() ? runs[r + 1] : entries.size();
-            for (std::size_t i = runs[r]; i < end; ++i)
-                for (std::size_t j = i + 1; j < end; ++j)
-                    if (belongs_here(entries[i], entries[j]) && meet(entries[i].face, entries[j].face))
-                        found[r].emplace_back(entries[i].face, entries[j].face);
+            for (std::size_t i = runs[r]; i < end; ++i) {
+                const std::int32_t f = entries[i].face;
+                const std::int64_t high = box_[static_cast<std::size_t>(f)].high[0];
+                for (std::size_t j = i + 1; j < end && entries[j].low <= high; ++j)
+                    if (const std::int32_t g = entries[j].face; belongs_here(entries[i], entries[j]) && meet(f, g))
+                        found[r].emplace_back(std::min(f, g), std::max(f, g));
+            }
         });
         std::vector<FacePair> pairs;
         for (const auto& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
@@ -149,15 +152,17 @@ public:
 private:
     struct Box {
         Point low, high;
+        Point low_cell{};  ///< where `low` lies; see choose_cells()
     };
     struct Entry {
         std::int64_t cell;
+        std::int32_t low;  ///< of the face's box along the first axis
         std::int32_t face;
         friend auto operator<=>(const Entry&, const Entry&) = default;
     };
 
     static Box bounds(const Corners& t) {
-        Box box{t[0], t[0]};
+        Box box{t[0], t[0], {}};
         for (const Point& p : t)
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 box.low[axis] = std::min(box.low[axis], p[axis]);
@@ -166,14 +171,16 @@ private:
         return box;
     }
 
-    /// Cells twice as large as faces are on average: most faces lie in one to eight of them.
+    /// Cells three times as large as faces are on average: most faces lie in one to four of them.
     void choose_cells() {
         double sum = 0;
         for (const Box& box : box_)
             for (std::size_t axis = 0; axis < 3; ++axis) sum += static_cast<double>(box.high[axis] - box.low[axis]);
         const double mean = box_.empty() ? 0 : sum / (3.0 * static_cast<double>(box_.size()));
-        cell_size_ = std::max(static_cast<std::int64_t>(2 * mean),
+        cell_size_ = std::max(static_cast<std::int64_t>(3 * mean),
                               static_cast<std::int64_t>(steps_per_extent / max_cells_per_axis) + 1);
+        for (Box& box : box_)
+            for (std::size_t axis = 0; axis < 3; ++axis) box.low_cell[axis] = box.low[axis] / cell_size_;
     }
 
     std::int64_t cell(std::int64_t x, std::int64_t y, std::int64_t z) const {
@@ -185,10 +192,12 @@ private:
         for (std::size_t f = 0; f < corners_.size(); ++f) {
             if (!has_area(corners_[f])) continue;
             const Box& b = box_[f];
-            for (std::int64_t z = b.low[2] / cell_size_; z <= b.high[2] / cell_size_; ++z)
-                for (std::int64_t y = b.low[1] / cell_size_; y <= b.high[1] / cell_size_; ++y)
-                    for (std::int64_t x = b.low[0] / cell_size_; x <= b.high[0] / cell_size_; ++x)
-                        entries.push_back({cell(x, y, z), static_cast<std::int32_t>(f)});
+            const Point high_cell = {b.high[0] / cell_size_, b.high[1] / cell_size_, b.high[2] / cell_size_};
+            for (std::int64_t z = b.low_cell[2]; z <= high_cell[2]; ++z)
+                for (std::int64_t y = b.low_cell[1]; y <= high_cell[1]; ++y)
+                    for (std::int64_t x = b.low_cell[0]; x <= high_cell[0]; ++x)
+                        entries.push_back(
+                            {cell(x, y, z), static_cast<std::int32_t>(b.low[0]), static_cast<std::int32_t>(f)});
         }
         std::sort(entries.begin(), entries.end());
         return entries;
@@ -198,13 +207,10 @@ private:
     /// about once.
     bool belongs_here(const Entry& a, const Entry& b) const {
         const Box &p = box_[static_cast<std::size_t>(a.face)], &q = box_[static_cast<std::size_t>(b.face)];
-        Point first{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::int64_t low = std::max(p.low[axis], q.low[axis]);
-            if (low > std::min(p.high[axis], q.high[axis])) return false;
-            first[axis] = low / cell_size_;
-        }
-        return cell(first[0], first[1], first[2]) == a.cell;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (std::max(p.low[axis], q.low[axis]) > std::min(p.high[axis], q.high[axis])) return false;
+        const auto first = [&](std::size_t axis) { return std::max(p.low_cell[axis], q.low_cell[axis]); };
+        return cell(first(0), first(1), first(2)) == a.cell;
     }
 
     bool meet(std::int32_t f, std::int32_t g) const {

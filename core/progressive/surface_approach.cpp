@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "core/mesh/keep_apart.h"
 #include "core/mesh/self_intersections.h"
@@ -15,8 +17,8 @@ namespace {
 
 constexpr double bits_per_vertex = 13;   ///< that a log takes, roughly: what a split costs
 constexpr double neighbour_share = 0.4;  ///< of a neighbour's error that a split removes; 0: a pot 1 to 3 % worse
-
-constexpr int most_attempts = 3;  ///< of a batch whose splits have faces meet
+constexpr double spare = 0.02;           ///< of a batch: splits for those that have faces meet
+constexpr int fewest_spare = 2;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -44,18 +46,55 @@ std::vector<std::int32_t> splits_around(std::span<const std::pair<std::int32_t, 
     return faces;
 }
 
-/// The faces of the batch without which no split has faces meet, ascending.
-std::vector<std::int32_t> splits_that_meet(const RefinableMesh& state, std::span<const std::int32_t> batch,
-                                           const BatchTargets& targets, const Rounding& rounding) {
-    std::vector<std::int32_t> left_out;
-    for (;;) {
-        RefinableMesh after = state;
-        const std::vector<SplitRecord> records = emit_batch(after, batch, targets, left_out, rounding);
-        const std::vector<std::int32_t> more =
-            splits_around(self_intersections(after.to_mesh()), state, after, records);
-        if (more.empty()) return left_out;
-        left_out.insert(left_out.end(), more.begin(), more.end());
-        std::ranges::sort(left_out);
+/// A batch whose vertices are where they should go.
+struct FittedBatch {
+    TrialBatch trial;
+    std::vector<Vec3> before;   ///< where the trial's vertices were
+    std::vector<double> costs;  ///< one a vertex of the trial, see fit_vertices()
+};
+
+FittedBatch fit(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
+    FittedBatch fitted{try_batch(state, batch), {}, {}};
+    fitted.before = fitted.trial.mesh.vertices;
+    fitted.costs = fit_vertices(fitted.trial.mesh, fitted.trial.active, meter, {});
+    return fitted;
+}
+
+BatchTargets targets_of(const FittedBatch& fitted, std::int32_t n_old) {
+    const std::vector<double>& costs = fitted.costs;
+    BatchTargets targets = targets_of(fitted.trial, n_old);
+    targets.old_costs.assign(costs.begin(), costs.begin() + n_old);
+    targets.new_costs.resize(fitted.trial.first_new.size());
+    for (std::size_t k = 0; k < targets.new_costs.size(); ++k)
+        if (const std::int32_t v = fitted.trial.first_new[k]; v >= 0)
+            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
+    return targets;
+}
+
+/// A batch on a copy of the state.
+struct EmittedBatch {
+    RefinableMesh state;
+    std::vector<SplitRecord> records;
+    bool is_whole = true;  ///< no split of higher score than another had to be left out
+};
+
+/// Splits the `n_splits` faces of highest scores that have no faces meet.
+/// @param batch  these, and some more
+EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t> batch, std::span<const double> scores,
+                        int n_splits, const BatchTargets& targets, const Rounding& rounding) {
+    std::vector<std::int32_t> by_score(batch.begin(), batch.end());
+    std::ranges::stable_sort(by_score, std::greater<>(), [&](std::int32_t face) { return scores[at(face)]; });
+    for (bool is_whole = true;; is_whole = false) {
+        const auto n_taken = std::min<std::ptrdiff_t>(n_splits, std::ssize(by_score));
+        std::vector<std::int32_t> taken(by_score.begin(), by_score.begin() + n_taken), left_out;
+        std::ranges::sort(taken);
+        std::ranges::set_difference(batch, taken, std::back_inserter(left_out));
+        EmittedBatch emitted{state, {}, is_whole};
+        emitted.records = emit_batch(emitted.state, batch, targets, left_out, rounding);
+        const std::vector<std::int32_t> meeting =
+            splits_around(self_intersections(emitted.state.to_mesh()), state, emitted.state, emitted.records);
+        if (meeting.empty()) return emitted;
+        std::erase_if(by_score, [&](std::int32_t face) { return std::ranges::binary_search(meeting, face); });
     }
 }
 
@@ -93,40 +132,32 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
     return scores;
 }
 
-BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter,
-                       bool may_meet) {
-    TrialBatch trial = try_batch(state, batch);
-    const std::vector<Vec3> before(trial.mesh.vertices);
-    const std::vector<double> costs = fit_vertices(trial.mesh, trial.active, meter, {});
-    if (!may_meet) keep_apart(trial.mesh, before);
-    BatchTargets targets = targets_of(trial, state.n_vertices());
-    targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
-    targets.new_costs.resize(batch.size());
-    for (std::size_t k = 0; k < batch.size(); ++k)
-        if (const std::int32_t v = trial.first_new[k]; v >= 0)
-            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
-    return targets;
+BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
+    return targets_of(fit(state, batch, meter), state.n_vertices());
 }
 
-std::vector<SplitRecord> approach(RefinableMesh& state, std::vector<double> scores, int n_splits, SurfaceMeter& meter,
-                                  const Rounding& rounding, bool may_meet) {
-    std::vector<std::int32_t> batch = select_batch(state, scores, n_splits);
-    if (batch.empty()) return {};
-    for (int attempt = 1;; ++attempt) {
-        const BatchTargets targets = fit_batch(state, batch, meter, may_meet);
-        std::vector<std::int32_t> left_out;
-        if (!may_meet) left_out = splits_that_meet(state, batch, targets, rounding);
-        if (!left_out.empty() && attempt < most_attempts) {
-            for (const std::int32_t face : left_out) scores[at(face)] = 0;
-            if (auto others = select_batch(state, scores, n_splits); !others.empty()) {
-                batch = std::move(others);
-                continue;
-            }
-        }
-        std::vector<SplitRecord> records = emit_batch(state, batch, targets, left_out, rounding);
-        if (records.empty()) records = emit_batch(state, batch, targets, {}, rounding);  // the count has to be met
-        return records;
+std::vector<SplitRecord> approach(RefinableMesh& state, std::span<const double> scores, int n_splits,
+                                  SurfaceMeter& meter, const Rounding& rounding, bool may_meet) {
+    if (may_meet) {
+        const std::vector<std::int32_t> batch = select_batch(state, scores, n_splits);
+        return emit_batch(state, batch, fit_batch(state, batch, meter), {}, rounding);
     }
+    const int n_spare = std::max(fewest_spare, static_cast<int>(spare * n_splits));
+    const std::vector<std::int32_t> batch = select_batch(state, scores, n_splits + n_spare);
+    if (batch.empty()) return {};
+    FittedBatch fitted = fit(state, batch, meter);
+    BatchTargets targets = targets_of(fitted, state.n_vertices());
+    EmittedBatch emitted = emit_apart(state, batch, scores, n_splits, targets, rounding);
+    if (!emitted.is_whole) {
+        keep_apart(fitted.trial.mesh, fitted.before);
+        targets = targets_of(fitted, state.n_vertices());
+        emitted = emit_apart(state, batch, scores, n_splits, targets, rounding);
+    }
+    if (emitted.records.empty())  // the count has to be met
+        return emit_batch(state, batch, targets, std::span(batch).subspan(std::min(batch.size(), at(n_splits))),
+                          rounding);
+    state = std::move(emitted.state);
+    return std::move(emitted.records);
 }
 
 double gain_of_a_bit(const MeasuredMesh& now) {

@@ -33,21 +33,19 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise = 0);
 
 /// Splits the batch on a copy of the state and moves the nine vertices of every split, all together, to where the
 /// squared distance is least.
-/// @param may_meet  whether faces may come to meet elsewhere than in what they share, as the surface's own do; if not,
-///                  their vertices stay
 /// @return with costs, world units to the fourth for a squared world unit
-BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter,
-                       bool may_meet = false);
+BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter);
 
 /// Splits the faces of the highest scores and has the vertices go as near to where fit_batch() wants them as their
 /// scalars allow.
 /// @param scores    one a face, see select_batch()
-/// @param may_meet  see fit_batch(); if not, other faces are split instead of those whose splits have faces meet all
-/// the
-///                  same (a split smooths, and turns edges; a vertex that is not worth its bits stays), if there are
+/// @param may_meet  whether faces may come to meet elsewhere than in what they share, as the surface's own do. If not,
+///                  vertices stay where they would have them meet, and the next faces are split instead of some whose
+///                  splits have faces meet all the same: a split smooths, and turns edges, and a vertex that is not
+///                  worth its bits stays
 /// @return none if nothing can be split
-std::vector<SplitRecord> approach(RefinableMesh& state, std::vector<double> scores, int n_splits, SurfaceMeter& meter,
-                                  const Rounding& rounding, bool may_meet = false);
+std::vector<SplitRecord> approach(RefinableMesh& state, std::span<const double> scores, int n_splits,
+                                  SurfaceMeter& meter, const Rounding& rounding, bool may_meet = false);
 
 /// What a bit brings as part of a split, world units to the fourth: the squared distance falls about with the square of
 /// the vertices, so that one more vertex of n lowers it by 2 / n of itself.

@@ -249,7 +249,8 @@ void splat_all(std::span<const OrientedPoint> points, const Placement& grid, dou
                      1);
 }
 
-// Adds what the votes want at the inner nodes: u from -1, inside, to 0.
+// Adds what the votes want at the inner nodes: u from -1, inside, to 0. What views say together weighs no more than one
+// of them that is certain.
 void add_votes(const VoteFn& votes, const Placement& grid, double strength, Level& level) {
     const auto vote = static_cast<float>(strength);
     parallel_for(
@@ -261,8 +262,9 @@ void add_votes(const VoteFn& votes, const Placement& grid, double strength, Leve
                 votes({grid.origin + grid.spacing * Vec3(0, j, k), grid.spacing}, row);
                 const std::size_t start = grid.size.node(0, j, k);
                 for (std::size_t i = 1; i + 1 < grid.size.row(); ++i) {
-                    level.sigma[start + i] += vote * row.weight[i];
-                    level.f[start + i] += vote * 0.5f * (row.sum[i] - row.weight[i]);
+                    const float of_node = vote / std::max(1.0f, row.weight[i]);
+                    level.sigma[start + i] += of_node * row.weight[i];
+                    level.f[start + i] += of_node * 0.5f * (row.sum[i] - row.weight[i]);
                 }
             }
         },

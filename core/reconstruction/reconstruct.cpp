@@ -9,7 +9,9 @@
 #include "core/error.h"
 #include "core/mesh/coarse_fit.h"
 #include "core/mesh/decimate.h"
+#include "core/mesh/keep_apart.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/self_intersections.h"
 #include "core/mesh/subdivide.h"
 #include "core/parallel.h"
 #include "core/progressive/base_on_grid.h"
@@ -201,8 +203,20 @@ TrueSurface sampled(const Mesh& fine) { return {fine, samples_per_vertex * fine.
 /// 0.058 % of the diagonal, fitted 0.052 %).
 Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int n_vertices) {
     SurfaceMeter meter(fitted);
-    Mesh base = fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
-    untangle(base);  // as few faces as these may be simplified into each other
+    return fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
+}
+
+/// A base on the grid whose faces do not meet elsewhere than in what they share, if that can be had: so few may be
+/// simplified into each other, and rounding brings together what was a hair apart.
+BaseMesh untangled_base(const Mesh& mesh, const Grid& grid) {
+    constexpr int most_rounds = 3;
+    BaseMesh base = to_base(mesh, grid);
+    for (int round = 0; round < most_rounds; ++round) {
+        Mesh decoded = RefinableMesh(base, grid, {}).to_mesh();
+        if (self_intersections(decoded).empty()) break;
+        untangle(decoded);
+        base = to_base(decoded, grid);
+    }
     return base;
 }
 
@@ -213,8 +227,10 @@ Mesh fine_surface(PhotoBackend& backend, Start& start, int n_log, const std::sto
     const int n_wanted = static_cast<int>(fine_over_log * n_log);
     const int n_vertices = std::max(start.mesh.n_vertices(), std::min(n_wanted, start.n_resolved));
     Mesh fine = subdivide(decimate(start.mesh, static_cast<int>(simplified_part * n_vertices)));
+    const std::vector<Vec3> simplified(fine.vertices);
     optimise_surface(backend, start.silhouettes, fine.vertices, fine.triangles, {}, start.guessed.vertices(fine), {},
                      stop);
+    keep_apart(fine, simplified);
     untangle(fine);
     return fine;
 }
@@ -324,7 +340,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
-    const BaseMesh base = to_base(mesh, grid);
+    const BaseMesh base = fixed_rate ? to_base(mesh, grid) : untangled_base(mesh, grid);
     if (journal)
         journal->begin({.grid = grid,
                         .base = base,

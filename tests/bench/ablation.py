@@ -77,6 +77,14 @@ TECHNIQUES = [
         ["--keep-every", 2],
     ),
     Technique(
+        "bounded_votes",
+        "all votes on a node together weigh no more than one that is certain; here every second view alone",
+        CORE + "poisson.cpp",
+        "const float of_node = vote / std::max(1.0f, row.weight[i]);",
+        "const float of_node = vote;",
+        ["--keep-every", 2],
+    ),
+    Technique(
         "guesses",
         "what no image shows is bent and put on trial",
         CORE + "reconstruct.cpp",

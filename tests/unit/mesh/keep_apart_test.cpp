@@ -59,3 +59,14 @@ TEST_CASE("keep_apart: what met before may move on, but to meet no others") {
     CHECK(self_intersections(mesh).empty());
     CHECK(mesh.vertices[n] == before[n] + Vec3(0.1, 0, 0));
 }
+
+TEST_CASE("keep_apart: ends where faces that did not move meet only by the rounding of a larger extent") {
+    Mesh mesh = two_spheres(1e-6);
+    REQUIRE(self_intersections(mesh).empty());
+    const std::vector<Vec3> before = mesh.vertices;
+    const std::size_t away = nearest_to(mesh, {-1, 0, 0});
+    mesh.vertices[away] -= Vec3(1000, 0, 0);
+    REQUIRE(!self_intersections(mesh).empty());
+    keep_apart(mesh, before);
+    CHECK(mesh.vertices[away] == before[away] - Vec3(1000, 0, 0));
+}

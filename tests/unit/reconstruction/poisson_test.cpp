@@ -163,3 +163,24 @@ TEST_CASE("Poisson: the surface keeps out of what the votes call outside") {
     CHECK(height_on_axis({}) > 0.4);
     CHECK(height_on_axis(votes) < 0.1);
 }
+
+TEST_CASE("Poisson: many votes weigh no more together than one that is certain, and a doubtful one weighs less") {
+    const double spacing = 0.1;
+    const std::vector<OrientedPoint> points = sphere_points_for(spacing);
+    const auto field_with = [&](float weight) {
+        return poisson_field(points, {.spacing = spacing}, [=](const NodeRow& row, RowVotes& of_row) {
+            for (std::size_t i = 0; i < of_row.sum.size(); ++i) {
+                const Vec3 node = row.first + static_cast<double>(i) * row.spacing * Vec3::UnitX();
+                of_row.weight[i] = node.x() > 0.5 ? weight : 0.0f;  // outside, all of them say
+                of_row.sum[i] = of_row.weight[i];
+            }
+        });
+    };
+    const auto volume = [](const ScalarField& field) {
+        return std::ranges::count_if(field.values, [](float value) { return value < 0; });
+    };
+    const auto certain = field_with(1);
+    CHECK(field_with(16).values == certain.values);
+    CHECK(volume(certain) < volume(field_with(0.25f)));
+    CHECK(volume(field_with(0.25f)) < volume(field_with(0)));
+}
