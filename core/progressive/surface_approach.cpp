@@ -5,7 +5,6 @@
 #include <functional>
 #include <iterator>
 
-#include "core/mesh/keep_apart.h"
 #include "core/mesh/self_intersections.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/vertex_fit.h"
@@ -46,36 +45,10 @@ std::vector<std::int32_t> splits_around(std::span<const std::pair<std::int32_t, 
     return faces;
 }
 
-/// A batch whose vertices are where they should go.
-struct FittedBatch {
-    TrialBatch trial;
-    std::vector<Vec3> before;   ///< where the trial's vertices were
-    std::vector<double> costs;  ///< one a vertex of the trial, see fit_vertices()
-};
-
-FittedBatch fit(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
-    FittedBatch fitted{try_batch(state, batch), {}, {}};
-    fitted.before = fitted.trial.mesh.vertices;
-    fitted.costs = fit_vertices(fitted.trial.mesh, fitted.trial.active, meter, {});
-    return fitted;
-}
-
-BatchTargets targets_of(const FittedBatch& fitted, std::int32_t n_old) {
-    const std::vector<double>& costs = fitted.costs;
-    BatchTargets targets = targets_of(fitted.trial, n_old);
-    targets.old_costs.assign(costs.begin(), costs.begin() + n_old);
-    targets.new_costs.resize(fitted.trial.first_new.size());
-    for (std::size_t k = 0; k < targets.new_costs.size(); ++k)
-        if (const std::int32_t v = fitted.trial.first_new[k]; v >= 0)
-            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
-    return targets;
-}
-
 /// A batch on a copy of the state.
 struct EmittedBatch {
     RefinableMesh state;
     std::vector<SplitRecord> records;
-    bool is_whole = true;  ///< no split of higher score than another had to be left out
 };
 
 /// Splits the `n_splits` faces of highest scores that have no faces meet.
@@ -84,12 +57,12 @@ EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t
                         int n_splits, const BatchTargets& targets, const Rounding& rounding) {
     std::vector<std::int32_t> by_score(batch.begin(), batch.end());
     std::ranges::stable_sort(by_score, std::greater<>(), [&](std::int32_t face) { return scores[at(face)]; });
-    for (bool is_whole = true;; is_whole = false) {
+    for (;;) {
         const auto n_taken = std::min<std::ptrdiff_t>(n_splits, std::ssize(by_score));
         std::vector<std::int32_t> taken(by_score.begin(), by_score.begin() + n_taken), left_out;
         std::ranges::sort(taken);
         std::ranges::set_difference(batch, taken, std::back_inserter(left_out));
-        EmittedBatch emitted{state, {}, is_whole};
+        EmittedBatch emitted{state, {}};
         emitted.records = emit_batch(emitted.state, batch, targets, left_out, rounding);
         const std::vector<std::int32_t> meeting =
             splits_around(self_intersections(emitted.state.to_mesh()), state, emitted.state, emitted.records);
@@ -133,26 +106,25 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
 }
 
 BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
-    return targets_of(fit(state, batch, meter), state.n_vertices());
+    TrialBatch trial = try_batch(state, batch);
+    const std::vector<double> costs = fit_vertices(trial.mesh, trial.active, meter, {});
+    BatchTargets targets = targets_of(trial, state.n_vertices());
+    targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
+    targets.new_costs.resize(batch.size());
+    for (std::size_t k = 0; k < batch.size(); ++k)
+        if (const std::int32_t v = trial.first_new[k]; v >= 0)
+            targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
+    return targets;
 }
 
 std::vector<SplitRecord> approach(RefinableMesh& state, std::span<const double> scores, int n_splits,
                                   SurfaceMeter& meter, const Rounding& rounding, bool may_meet) {
-    if (may_meet) {
-        const std::vector<std::int32_t> batch = select_batch(state, scores, n_splits);
-        return emit_batch(state, batch, fit_batch(state, batch, meter), {}, rounding);
-    }
-    const int n_spare = std::max(fewest_spare, static_cast<int>(spare * n_splits));
+    const int n_spare = may_meet ? 0 : std::max(fewest_spare, static_cast<int>(spare * n_splits));
     const std::vector<std::int32_t> batch = select_batch(state, scores, n_splits + n_spare);
     if (batch.empty()) return {};
-    FittedBatch fitted = fit(state, batch, meter);
-    BatchTargets targets = targets_of(fitted, state.n_vertices());
+    const BatchTargets targets = fit_batch(state, batch, meter);
+    if (may_meet) return emit_batch(state, batch, targets, {}, rounding);
     EmittedBatch emitted = emit_apart(state, batch, scores, n_splits, targets, rounding);
-    if (!emitted.is_whole) {
-        keep_apart(fitted.trial.mesh, fitted.before);
-        targets = targets_of(fitted, state.n_vertices());
-        emitted = emit_apart(state, batch, scores, n_splits, targets, rounding);
-    }
     if (emitted.records.empty())  // the count has to be met
         return emit_batch(state, batch, targets, std::span(batch).subspan(std::min(batch.size(), at(n_splits))),
                           rounding);

@@ -39,10 +39,8 @@ BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t>
 /// Splits the faces of the highest scores and has the vertices go as near to where fit_batch() wants them as their
 /// scalars allow.
 /// @param scores    one a face, see select_batch()
-/// @param may_meet  whether faces may come to meet elsewhere than in what they share, as the surface's own do. If not,
-///                  vertices stay where they would have them meet, and the next faces are split instead of some whose
-///                  splits have faces meet all the same: a split smooths, and turns edges, and a vertex that is not
-///                  worth its bits stays
+/// @param may_meet  whether faces may come to meet elsewhere than in what they share, as the surface's own do; if not,
+///                  the next are split instead of some whose splits have faces meet (a split smooths, and turns edges)
 /// @return none if nothing can be split
 std::vector<SplitRecord> approach(RefinableMesh& state, std::span<const double> scores, int n_splits,
                                   SurfaceMeter& meter, const Rounding& rounding, bool may_meet = false);

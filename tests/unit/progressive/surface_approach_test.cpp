@@ -129,8 +129,11 @@ TEST_CASE("Approach: pieces stay apart on their way to a surface whose pieces ar
         const MeasuredMesh before = measure(state, meter);
         for (int batch_number = 0; batch_number < 3; ++batch_number) {
             const int n_before = state.n_vertices();
-            CHECK(approach(state, distance_scores(measure(state, meter)), 30, meter, {}, may_meet).size() == 30);
-            CHECK(state.n_vertices() == n_before + 90);
+            const auto n_split =
+                std::ssize(approach(state, distance_scores(measure(state, meter)), 30, meter, {}, may_meet));
+            CHECK(n_split <= 30);
+            CHECK(n_split >= (may_meet ? 30 : 20));  // the more that meet, the fewer are at hand instead
+            CHECK(state.n_vertices() == n_before + 3 * n_split);
         }
         CHECK(squared_distance(measure(state, meter)) < 0.3 * squared_distance(before));
         return self_intersections(state.to_mesh()).size();
