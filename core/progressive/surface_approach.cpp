@@ -39,9 +39,8 @@ std::vector<std::int32_t> splits_around(std::span<const std::pair<std::int32_t, 
         for (const std::int32_t face : {f, g})
             for (const std::int32_t v : after.triangles()[at(face)])
                 if (split_of[at(v)] >= 0) faces.push_back(split_of[at(v)]);
-    std::ranges::sort(faces);
-    const auto repeated = std::ranges::unique(faces);
-    faces.erase(repeated.begin(), repeated.end());
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     return faces;
 }
 

@@ -249,10 +249,9 @@ void splat_all(std::span<const OrientedPoint> points, const Placement& grid, dou
                      1);
 }
 
-// Adds what the votes want at the inner nodes: u from -1, inside, to 0. What views say together weighs no more than one
-// of them that is certain.
-void add_votes(const VoteFn& votes, const Placement& grid, double strength, Level& level) {
-    const auto vote = static_cast<float>(strength);
+// Adds what the votes want at the inner nodes: u from -1, inside, to 0.
+void add_votes(const VoteFn& votes, const Placement& grid, const PoissonOptions& options, Level& level) {
+    const auto vote = static_cast<float>(options.vote), most = static_cast<float>(options.most_votes);
     parallel_for(
         static_cast<std::size_t>(grid.size.nz - 2),
         [&](std::size_t plane_above_border) {
@@ -262,7 +261,7 @@ void add_votes(const VoteFn& votes, const Placement& grid, double strength, Leve
                 votes({grid.origin + grid.spacing * Vec3(0, j, k), grid.spacing}, row);
                 const std::size_t start = grid.size.node(0, j, k);
                 for (std::size_t i = 1; i + 1 < grid.size.row(); ++i) {
-                    const float of_node = vote / std::max(1.0f, row.weight[i]);
+                    const float of_node = vote * most / std::max(most, row.weight[i]);
                     level.sigma[start + i] += of_node * row.weight[i];
                     level.f[start + i] += of_node * 0.5f * (row.sum[i] - row.weight[i]);
                 }
@@ -327,7 +326,7 @@ ScalarField poisson_field(std::span<const OrientedPoint> points, const PoissonOp
         size = {size.nx / 2 + 1, size.ny / 2 + 1, size.nz / 2 + 1};
     }
     splat_all(points, grid, options.screening, levels.front());
-    if (votes) add_votes(votes, grid, options.vote, levels.front());
+    if (votes) add_votes(votes, grid, options, levels.front());
     solve(levels);
 
     ScalarField field{grid.size.nx, grid.size.ny, grid.size.nz, grid.origin, grid.spacing, std::move(levels.front().u)};

@@ -11,7 +11,6 @@
 #include "core/mesh/decimate.h"
 #include "core/mesh/keep_apart.h"
 #include "core/mesh/remesh.h"
-#include "core/mesh/self_intersections.h"
 #include "core/mesh/subdivide.h"
 #include "core/parallel.h"
 #include "core/progressive/base_on_grid.h"
@@ -206,20 +205,6 @@ Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int
     return fit_coarse_mesh(fine, std::move(first_stage), n_vertices, meter);
 }
 
-/// A base on the grid whose faces do not meet elsewhere than in what they share, if that can be had: so few may be
-/// simplified into each other, and rounding brings together what was a hair apart.
-BaseMesh untangled_base(const Mesh& mesh, const Grid& grid) {
-    constexpr int most_rounds = 3;
-    BaseMesh base = to_base(mesh, grid);
-    for (int round = 0; round < most_rounds; ++round) {
-        Mesh decoded = RefinableMesh(base, grid, {}).to_mesh();
-        if (self_intersections(decoded).empty()) break;
-        untangle(decoded);
-        base = to_base(decoded, grid);
-    }
-    return base;
-}
-
 /// The optimised surface again, with its vertices where it bends: simplified by quadrics, subdivided and optimised. The
 /// even mesh, and whatever is simplified from it, has saw teeth where its edges cross relief.
 /// @param n_log  vertices of the log that will approach it
@@ -340,7 +325,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
 
     // From here on only the decoded integer state counts.
     const Grid grid = make_grid(mesh, options.n_vertices);
-    const BaseMesh base = fixed_rate ? to_base(mesh, grid) : untangled_base(mesh, grid);
+    const BaseMesh base = to_base(mesh, grid);
     if (journal)
         journal->begin({.grid = grid,
                         .base = base,

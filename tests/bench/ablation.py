@@ -65,7 +65,7 @@ TECHNIQUES = [
         "strong_votes",
         "depths outvote the points of the hull's lids; for deep cavities, which these two captures have not",
         CORE + "poisson.h",
-        "double vote = 0.4;",
+        "double vote = 0.2;",
         "double vote = 0.05;",
     ),
     Technique(
@@ -78,10 +78,10 @@ TECHNIQUES = [
     ),
     Technique(
         "bounded_votes",
-        "all votes on a node together weigh no more than one that is certain; here every second view alone",
-        CORE + "poisson.cpp",
-        "const float of_node = vote / std::max(1.0f, row.weight[i]);",
-        "const float of_node = vote;",
+        "no more votes count on a node than two that are certain; here every second view alone",
+        CORE + "poisson.h",
+        "double most_votes = 2;",
+        "double most_votes = 1e9;",
         ["--keep-every", 2],
     ),
     Technique(
