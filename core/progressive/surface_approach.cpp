@@ -17,7 +17,7 @@ namespace {
 constexpr double bits_per_vertex = 13;   ///< that a log takes, roughly: what a split costs
 constexpr double neighbour_share = 0.4;  ///< of a neighbour's error that a split removes; 0: a pot 1 to 3 % worse
 constexpr double spare = 0.02;           ///< of a batch: splits for those that have faces meet
-constexpr int fewest_spare = 2;
+constexpr int fewest_spare = 2;          ///< of a batch however small
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 

@@ -21,7 +21,7 @@ struct PoissonOptions {
     double spacing = 0.0;    ///< world units
     double screening = 4.0;  ///< weight of the points' own positions against the smoothness of the field
     double vote = 0.2;  ///< weight of one certain vote on a node, likewise; 0.05: the floor deep in a pot, where two
-                        ///< views look, is 6 % of the diagonal off instead of 3
+                        ///< views look, is 6 % of the diagonal off instead of 4
     /// Certain votes that count on a node, whoever else sees it. If all did, the many views around thin parts would
     /// outvote their silhouettes: the Oxford dinosaur lost fingers.
     double most_votes = 2;
