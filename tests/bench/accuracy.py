@@ -12,9 +12,7 @@ The other route: the finest meshes (10,000 and 20,000) simplified to every small
 With --out a Markdown table is written there too. Timings are those of this machine as it is; run it on an idle one.
 """
 
-from measuring import evaluator, find_capture, finish, in_work_folder, machine, note, parser, start
-
-CAMERAS = {"pot": "cameras_2ring.json"}
+from measuring import CAMERAS, evaluator, find_capture, finish, in_work_folder, machine, note, parser, start
 
 # Means where seen, in percent of the diagonal: what is asked for, and the best of OpenMVS 2.3.0 at 2,500, 5,000, 10,000.
 TARGETS = {"nefertiti": (0.030, 0.022, 0.018), "pot": (0.072, 0.048, 0.036), "bowl": (0.042, 0.033, 0.028)}

@@ -54,6 +54,9 @@ def run(*command):
         )
 
 
+CAMERAS = {"pot": "cameras_2ring.json"}  # of the shared captures that are measured with others than cameras.json
+
+
 def parser(doc, captures):
     """The options that all benchmarks have."""
     options = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -162,11 +162,11 @@ class Smoke(unittest.TestCase):
                 self.assertNotEqual(technique.on, technique.off)
 
     def test_ablation_tells_what_a_technique_is_worth(self):
-        told = {"seen_percent": 0.03, "seen_percent_at_half": 0.05, "psi": 12.0}
-        whole = {"seen_percent": 0.02, "seen_percent_at_half": 0.04, "psi": 6.0}
+        names = ["seen_percent", "seen_percent_at_half", "hausdorff_percent", "psi", "self_intersections"]
+        told, whole = dict(zip(names, [0.03, 0.05, 0.9, 12.0, 7])), dict(zip(names, [0.02, 0.04, 1.0, 6.0, 0]))
         row = {"what": "what it is", "captures": {"a": ablation.with_ratios(told, whole)}}
         table = ablation.markdown({"whole": {"a": {}}, "techniques": {"one": row, "two": {"what": "other", "failed": "x"}}})
-        self.assertIn("| one: what it is | 1.25, 1.50, 2.00 |", table)
+        self.assertIn("| one: what it is | 1.25, 1.50, 0.90, 2.00; 7 pairs of faces meet |", table)
         self.assertIn("| two: other | failed |", table)
 
     def test_captures_that_are_not_here_are_skipped_with_a_message(self):
