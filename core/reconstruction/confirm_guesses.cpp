@@ -4,70 +4,32 @@
 #include <optional>
 #include <utility>
 
-#include "core/reconstruction/distortion.h"
+#include "core/reconstruction/face_distortions.h"
 #include "core/reconstruction/fairing.h"
 #include "core/reconstruction/optimise_surface.h"
+#include "core/reconstruction/replace_patches.h"
 
 namespace anyrate {
 namespace {
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// The distortions of all faces, of which only those around what moved are measured again: what a moved part hides
-/// elsewhere or no longer hides is nothing to whether that part itself agrees.
-class Distortions {
-public:
-    Distortions(PhotoBackend& backend, const Mesh& mesh) : backend_(backend) {
-        backend_.set_surface(mesh, 0, 1.0);
-        faces_ = backend_.distortions(whole_surface(mesh));
-    }
-
-    void measure_around(std::span<const std::int32_t> moved, const Mesh& mesh, const OneRings& rings) {
-        const std::vector<std::int32_t> around = faces_around(rings, moved);
-        std::vector<TriangleQuery> queries;
-        for (const std::int32_t f : around) queries.push_back(query_of(mesh, f));
-        backend_.set_surface(mesh, 0, 1.0, around);
-        const std::vector<TriangleDistortion> measured = backend_.distortions(queries);
-        for (std::size_t i = 0; i < around.size(); ++i) faces_[at(around[i])] = measured[i];
-    }
-
-    /// G (Nghiem et al., Eq. 9) of every vertex.
-    std::vector<std::optional<double>> of_vertices(const OneRings& rings, int n_vertices) const {
-        return vertex_distortion(rings, n_vertices, faces_);
-    }
-
-private:
-    PhotoBackend& backend_;
-    std::vector<TriangleDistortion> faces_;
-};
-
-/// Median of G over the vertices that are no guess; nothing if there is none.
-std::optional<double> usual_distortion(std::span<const std::optional<double>> G, std::span<const char> is_guessed) {
-    std::vector<double> known;
-    for (std::size_t v = 0; v < G.size(); ++v)
-        if (is_guessed[v] == 0 && G[v]) known.push_back(*G[v]);
-    if (known.empty()) return std::nullopt;
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    return *middle;
-}
-
 enum class Standing : char { shown, doubtful, guessed };
 
 // Guesses, with the ring around them as far as no two views see it; what is doubtful: shown by the images, which
 // disagree there; and the surroundings of both.
 std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span<const std::optional<double>> G,
-                                     const OneRings& rings, double agreement) {
+                                     const OneRings& rings, const ConfirmGuessOptions& options, bool spreads) {
     const std::optional<double> usual = usual_distortion(G, is_guessed);
     std::vector<Standing> standings(is_guessed.size(), Standing::shown);
     for (std::size_t v = 0; v < standings.size(); ++v) {
         if (is_guessed[v] != 0)
             standings[v] = Standing::guessed;
-        else if (usual && G[v] && *G[v] > agreement * *usual)
+        else if (usual && G[v] && *G[v] > options.agreement * *usual)
             standings[v] = Standing::doubtful;
     }
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(standings.size()); ++v)
-        if (standings[at(v)] == Standing::shown && !G[at(v)] &&
+        if (spreads && standings[at(v)] == Standing::shown && !G[at(v)] &&
             std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return is_guessed[at(w)] != 0; }))
             standings[at(v)] = Standing::guessed;
     const std::vector<Standing> inner = standings;
@@ -111,11 +73,12 @@ struct Pass {
 
 /// @param distortions  of the mesh
 /// @param guesses      one flag a vertex
+/// @param spreads      whether what no two views see beside a guess becomes one
 Pass confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const OneRings& rings,
-                  const Distortions& distortions, std::span<const char> guesses, Mesh& mesh,
-                  const ConfirmGuessOptions& options, const std::stop_token& stop) {
+                  const FaceDistortions& distortions, std::span<const char> guesses, Mesh& mesh,
+                  const ConfirmGuessOptions& options, bool spreads, const std::stop_token& stop) {
     const auto before = distortions.of_vertices(rings, mesh.n_vertices());
-    const std::vector<Standing> standings = find_standings(guesses, before, rings, options.agreement);
+    const std::vector<Standing> standings = find_standings(guesses, before, rings, options, spreads);
     std::vector<char> on_trial(standings.size());
     Pass pass{std::vector<char>(standings.size(), 0), {}};
     auto& [is_guessed, active] = pass;
@@ -135,7 +98,7 @@ Pass confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const OneRing
         optimise_surface(backend, silhouettes, trial.vertices, trial.triangles, active, {}, optimise, stop);
     }
 
-    Distortions of_trial = distortions;
+    FaceDistortions of_trial = distortions;
     of_trial.measure_around(active, trial, rings);
     const auto after = of_trial.of_vertices(rings, trial.n_vertices());
     const std::optional<double> usual = usual_distortion(after, on_trial);
@@ -172,16 +135,21 @@ Pass confirm_once(PhotoBackend& backend, Silhouettes& silhouettes, const OneRing
 GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
                                Mesh& mesh, const ConfirmGuessOptions& options, const std::stop_token& stop) {
     const OneRings rings(mesh);
-    Distortions distortions(backend, mesh);
+    FaceDistortions distortions(backend, mesh);
     std::vector<char> guesses = guessed.vertices(mesh);
     ConfirmGuessOptions of_pass = options;
     for (int i = 0; i < options.passes && !stop.stop_requested(); ++i) {
-        Pass pass = confirm_once(backend, silhouettes, rings, distortions, guesses, mesh, of_pass, stop);
+        const bool spreads = i < options.spreading_passes;
+        Pass pass = confirm_once(backend, silhouettes, rings, distortions, guesses, mesh, of_pass, spreads, stop);
         guesses = std::move(pass.is_guessed);
         of_pass.coarsest_level = 0;
         if (pass.active.empty()) break;
-        if (i + 1 < options.passes) distortions.measure_around(pass.active, mesh, rings);
+        distortions.measure_around(pass.active, mesh, rings);
     }
+    const PatchOptions of_patches{
+        .level = options.coarsest_level, .rounds = options.rounds, .doubt = options.agreement};
+    if (options.passes > 0 && !stop.stop_requested())
+        replace_patches(backend, silhouettes, rings, distortions, guesses, mesh, of_patches, stop);
     return surface_of(mesh, guesses);
 }
 

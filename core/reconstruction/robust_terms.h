@@ -11,12 +11,14 @@ namespace anyrate {
 /// @return squared colour units; infinity if there are no samples
 double credible_distortion(std::span<const TriangleTerms> terms, double noise, double outlier);
 
-/// What faces say beyond the credible counts by its logarithm only: of n samples with a mean distortion G, phi = n G
-/// becomes n T log(1 + G / T), T the credible distortion, and the derivatives follow, the Hessians without the part
-/// that is negative. Else a few faces whose samples come into sight, of something else or a highlight, with residuals
-/// of some thousands outweigh whatever all others gain by a step. Source: Cauchy's function, as in Black and Rangarajan
-/// 1996, "On the Unification of Line Processes, Outlier Rejection, and Robust Statistics with Applications in Early
-/// Vision".
+/// n T log(1 + G / T) of a face with n samples, more than 0, of mean distortion G; T is the credible distortion.
+double robust_phi(const TriangleDistortion& face, double credible);
+
+/// What faces say beyond the credible counts by its logarithm only: phi becomes robust_phi(), and the derivatives
+/// follow, the Hessians without the part that is negative. Else a few faces whose samples come into sight, of something
+/// else or a highlight, with residuals of some thousands outweigh whatever all others gain by a step. Source: Cauchy's
+/// function, as in Black and Rangarajan 1996, "On the Unification of Line Processes, Outlier Rejection, and Robust
+/// Statistics with Applications in Early Vision".
 void make_robust(std::span<TriangleTerms> terms, double credible);
 
 }  // namespace anyrate

@@ -1,0 +1,36 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/mesh/mesh.h"
+#include "core/reconstruction/distortion.h"
+#include "core/reconstruction/photo_backend.h"
+
+namespace anyrate {
+
+/// The distortions of a mesh's faces on the photographs themselves, of which only those around what moved are measured
+/// again: what a moved part hides elsewhere or no longer hides is nothing to whether that part itself agrees.
+class FaceDistortions {
+public:
+    /// @param backend  outlives this
+    FaceDistortions(PhotoBackend& backend, const Mesh& mesh);
+
+    /// @param moved  vertices of `mesh`, which has the faces of the mesh that was measured whole; ascending
+    void measure_around(std::span<const std::int32_t> moved, const Mesh& mesh, const OneRings& rings);
+
+    std::span<const TriangleDistortion> faces() const { return faces_; }
+
+    /// G (Nghiem et al., Eq. 9) of every vertex.
+    std::vector<std::optional<double>> of_vertices(const OneRings& rings, int n_vertices) const;
+
+private:
+    PhotoBackend& backend_;
+    std::vector<TriangleDistortion> faces_;
+};
+
+/// Median of G over the vertices that are not left out; nothing if there is none.
+/// @param left_out  one flag a vertex
+std::optional<double> usual_distortion(std::span<const std::optional<double>> G, std::span<const char> left_out);
+
+}  // namespace anyrate

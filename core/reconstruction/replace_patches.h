@@ -1,0 +1,33 @@
+#pragma once
+#include <span>
+#include <stop_token>
+
+#include "core/mesh/mesh.h"
+#include "core/reconstruction/face_distortions.h"
+#include "core/reconstruction/photo_backend.h"
+#include "core/reconstruction/silhouette_term.h"
+
+namespace anyrate {
+
+struct PatchOptions {
+    int level = 1;                 ///< of the pyramid, where the patches start to move
+    int rounds = 2;                ///< a level
+    double doubt = 25;             ///< least G (Eq. 9) of a vertex that patches grow from, in medians over no guesses
+    int n_rings = 2;               ///< that they grow by; 4 as well: the same, 6 % more time on a pot
+    double most_distortion = 0.8;  ///< mean of a patch that replaces another, in parts of that one's
+    double least_evidence = 0.5;   ///< samples that it is seen at, in parts of those before: hidden is not better
+};
+
+/// Where single vertices cannot agree with the images whatever they do, what is wrong may be the shape: a web between
+/// an ear and the head behind it, a flap that a hull's lid has left. Grows patches around the vertices that are seen
+/// but doubtful or guessed, bends each as little as the rest allows, whatever it looked like, and lets them follow the
+/// images from there. A patch whose images then agree better, by the mean of its faces' robust distortions, replaces
+/// what was there as a whole; guesses in it that agree about as well as the rest are guesses no longer.
+/// @param distortions  of `mesh`, before and after
+/// @param is_guessed   one flag a vertex
+/// @param mesh         with edges of about one length
+void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneRings& rings,
+                     FaceDistortions& distortions, std::span<char> is_guessed, Mesh& mesh, const PatchOptions& options,
+                     const std::stop_token& stop = {});
+
+}  // namespace anyrate
