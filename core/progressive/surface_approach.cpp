@@ -14,10 +14,9 @@
 namespace anyrate {
 namespace {
 
-constexpr double bits_per_vertex = 13;   ///< that a log takes, roughly: what a split costs
-constexpr double neighbour_share = 0.4;  ///< of a neighbour's error that a split removes; 0: a pot 1 to 3 % worse
-constexpr double spare = 0.02;           ///< of a batch: splits for those that have faces meet
-constexpr int fewest_spare = 2;          ///< of a batch however small
+constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
+constexpr double spare = 0.02;          ///< of a batch: splits for those that have faces meet
+constexpr int fewest_spare = 2;         ///< of a batch however small
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -73,10 +72,8 @@ EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t
 }  // namespace
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
-    MeasuredMesh now{state.to_mesh(), {}, {}};
+    MeasuredMesh now{state.to_mesh(), {}};
     now.faces = meter.distances(now.mesh);
-    now.twins.resize(3 * now.faces.size());
-    for (std::size_t h = 0; h < now.twins.size(); ++h) now.twins[h] = state.twin(static_cast<std::int32_t>(h));
     return now;
 }
 
@@ -87,19 +84,13 @@ double squared_distance(const MeasuredMesh& now) {
 }
 
 std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
-    std::vector<double> errors(now.faces.size());
-    for (std::size_t f = 0; f < errors.size(); ++f) {
+    std::vector<double> scores(now.faces.size());
+    for (std::size_t f = 0; f < scores.size(); ++f) {
         const auto& [a, b, c] = now.mesh.triangles[f];
         const auto& v = now.mesh.vertices;
         const double area = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
         const FaceDistance& face = now.faces[f];
-        if (face.area > 0) errors[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
-    }
-    std::vector<double> scores(errors.size());
-    for (std::size_t f = 0; f < scores.size(); ++f) {
-        double sum = errors[f];
-        for (std::size_t k = 0; k < 3; ++k) sum += neighbour_share * errors[at(now.twins[3 * f + k] / 3)];
-        scores[f] = sum / (1 + 3 * neighbour_share);
+        if (face.area > 0) scores[f] = area * (std::sqrt(face.squared / face.area + noise * noise) - noise);
     }
     return scores;
 }

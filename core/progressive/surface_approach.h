@@ -14,7 +14,6 @@ namespace anyrate {
 struct MeasuredMesh {
     Mesh mesh;
     std::vector<FaceDistance> faces;
-    std::vector<std::int32_t> twins;  ///< the halfedge along the other side of each, see twin_halfedges()
 };
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter);
@@ -22,11 +21,11 @@ MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter);
 /// Integral of the squared distance, world units to the fourth.
 double squared_distance(const MeasuredMesh& now);
 
-/// What a split of each face promises: its area times its root mean square distance, and a share of what its three
-/// neighbours have, which the split bisects; the scores' sum is that of the faces alone. Area times mean square spends
+/// What a split of each face promises: its area times its root mean square distance. Area times mean square spends
 /// splits on few bad faces, which often stay bad: a bust at 10,000 vertices takes 7 % more bytes then for the same mean
-/// distance. Where the surface is off the truth itself, a distance d adds to that as errors do which know nothing of
-/// each other, by sqrt(d^2 + noise^2) - noise: within the noise hardly at all.
+/// distance. A share of what the neighbours have, which the split bisects, brings nothing. Where the surface is off the
+/// truth itself, a distance d adds to that as errors do which know nothing of each other, by sqrt(d^2 + noise^2) -
+/// noise: within the noise hardly at all.
 /// @param noise  of the surface that is approached, world units
 /// @return one per face, world units cubed
 std::vector<double> distance_scores(const MeasuredMesh& now, double noise = 0);

@@ -53,7 +53,7 @@ TECHNIQUES = [
         "long_range_start",
         "depths of a plane sweep open the hull's lids over cavities",
         CORE + "initial_mesh.cpp",
-        "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));",
+        "const ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull));",
         "ConfirmedDepths depths = confirm_depths(plane_sweep(images, hull)); depths.confirmed.clear();",
     ),
     Technique(
@@ -163,13 +163,6 @@ TECHNIQUES = [
         "core/mesh/coarse_fit.cpp",
         "{.slides = true, ",
         "{.slides = false, ",
-    ),
-    Technique(
-        "neighbours_share",
-        "a split's promise counts what its neighbours, which it bisects, are off",
-        "core/progressive/surface_approach.cpp",
-        "constexpr double neighbour_share = 0.4;",
-        "constexpr double neighbour_share = 0.0;",
     ),
     Technique(
         "moves_apart",
