@@ -12,6 +12,10 @@
 namespace anyrate {
 namespace {
 
+/// That patches grow by, one time after the other. Without the second the bust is 1 % further off; with 3 and 4 rings
+/// as well nothing is nearer.
+constexpr int patch_rings[] = {2, 1};
+
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 enum class Standing : char { shown, doubtful, guessed };
@@ -146,10 +150,10 @@ GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, 
         if (pass.active.empty()) break;
         distortions.measure_around(pass.active, mesh, rings);
     }
-    const PatchOptions of_patches{
-        .level = options.coarsest_level, .rounds = options.rounds, .doubt = options.agreement};
     if (options.passes > 0 && !stop.stop_requested())
-        replace_patches(backend, silhouettes, rings, distortions, guesses, mesh, of_patches, stop);
+        for (const int n_rings : patch_rings)
+            replace_patches(backend, silhouettes, rings, distortions, guesses, mesh,
+                            {.level = options.coarsest_level, .doubt = options.agreement, .n_rings = n_rings}, stop);
     return surface_of(mesh, guesses);
 }
 

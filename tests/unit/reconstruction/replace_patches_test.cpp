@@ -76,15 +76,14 @@ TEST_CASE("Replace patches: what the photographs agree on stays where it is") {
     CHECK(mesh.vertices == sphere.vertices);
 }
 
-TEST_CASE("Replace patches: where no surface agrees with the photographs the guess stays as it is, a guess") {
+TEST_CASE("Replace patches: where no surface agrees with the photographs a guess stays one, near its surroundings") {
     Scene scene(contradictory_sphere());
-    const Mesh sphere = icosphere(3);
-    Mesh mesh = sphere;
+    Mesh mesh = icosphere(3);
     std::vector<char> is_guessed(mesh.vertices.size());
     for (std::size_t v = 0; v < is_guessed.size(); ++v) is_guessed[v] = is_in_patch(mesh.vertices[v]);
     const std::vector<char> guessed_before = is_guessed;
     scene.replace_patches(mesh, is_guessed);
-    CHECK(mesh.vertices == sphere.vertices);
+    for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.05);
     CHECK(is_guessed == guessed_before);
 }
 
