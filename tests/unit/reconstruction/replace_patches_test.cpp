@@ -76,14 +76,14 @@ TEST_CASE("Replace patches: what the photographs agree on stays where it is") {
     CHECK(mesh.vertices == sphere.vertices);
 }
 
-TEST_CASE("Replace patches: where no surface agrees with the photographs a guess stays one, near its surroundings") {
+TEST_CASE("Replace patches: where no surface agrees with the photographs a guess stays one, within an edge of where it was") {
     Scene scene(contradictory_sphere());
     Mesh mesh = icosphere(3);
     std::vector<char> is_guessed(mesh.vertices.size());
     for (std::size_t v = 0; v < is_guessed.size(); ++v) is_guessed[v] = is_in_patch(mesh.vertices[v]);
     const std::vector<char> guessed_before = is_guessed;
     scene.replace_patches(mesh, is_guessed);
-    for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.05);
+    for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.14);
     CHECK(is_guessed == guessed_before);
 }
 
