@@ -15,8 +15,7 @@ struct ConfirmGuessOptions {
     /// floor's rim is found ring by ring: over what any two of its 36 views see, 10,000 vertices are 0.051 % of the
     /// diagonal off with 2 passes, 0.036 with 3, 0.026 with 6.
     int passes = 6;
-    int spreading_passes =
-        3;  ///< the first, in which a guess takes in what no two views see beside it; 6: bust 2 % worse
+    int spreading_passes = 3;  ///< the first: a guess takes in what no two views see beside it; 6: bust 2 % worse
     double attachment = 3e-3;  ///< of a guess to its place, see fair(); 1e-2: pot 3 % worse, 1e-3: nefertiti 2 %
     double agreement = 25;     ///< largest G (Eq. 9) of a confirmed vertex, in medians over what is no guess
     double hopeless = 100;     ///< a shown vertex with a larger G, on trial too or hidden there, is a guess; same unit
