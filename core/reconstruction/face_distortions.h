@@ -21,7 +21,7 @@ public:
 
     std::span<const TriangleDistortion> faces() const { return faces_; }
 
-    /// G (Nghiem et al., Eq. 9) of every vertex.
+    /// G (Nghiem et al., Eq. 9) of every vertex, squared colour units; none where no two views see it.
     std::vector<std::optional<double>> of_vertices(const OneRings& rings, int n_vertices) const;
 
 private:
@@ -29,7 +29,8 @@ private:
     std::vector<TriangleDistortion> faces_;
 };
 
-/// Median of G over the vertices that are not left out; nothing if there is none.
+/// Median of G (Eq. 9, squared colour units) over the vertices that have one and are not left out; nothing if there is
+/// none.
 /// @param left_out  one flag a vertex
 std::optional<double> usual_distortion(std::span<const std::optional<double>> G, std::span<const char> left_out);
 

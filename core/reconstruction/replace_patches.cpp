@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/reconstruction/fairing.h"
+#include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/robust_terms.h"
 
@@ -12,7 +13,6 @@ namespace {
 
 /// Of a patch to its place, see fair(): bumps of up to a hundred edges go.
 constexpr double attachment = 1e-6;
-constexpr double outlier = 30;  ///< usual distortions that a face is believed at, see make_robust()
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -105,7 +105,7 @@ void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneR
     FaceDistortions of_trial = distortions;
     of_trial.measure_around(patches.vertices, trial, rings);
 
-    const double credible = outlier * *usual;
+    const double credible = round_rules().outlier * *usual;
     const std::vector<Evidence> before = evidence_of(patches, mesh.triangles, distortions.faces(), credible),
                                 after = evidence_of(patches, mesh.triangles, of_trial.faces(), credible);
     const auto is_replaced = [&](std::int32_t v) {

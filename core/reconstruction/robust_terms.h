@@ -12,6 +12,7 @@ namespace anyrate {
 double credible_distortion(std::span<const TriangleTerms> terms, double noise, double outlier);
 
 /// n T log(1 + G / T) of a face with n samples, more than 0, of mean distortion G; T is the credible distortion.
+/// @return squared colour units, as phi
 double robust_phi(const TriangleDistortion& face, double credible);
 
 /// What faces say beyond the credible counts by its logarithm only: phi becomes robust_phi(), and the derivatives
