@@ -121,6 +121,21 @@ test("Mouse: the wheel goes nearer and farther, and Fit has all of the model in 
         assert.ok(shown.box.left > 0 && shown.box.right < shown.width - 1 && shown.box.top > 0 && shown.box.bottom < shown.height - 1, "all of it");
     }));
 
+test("View: the address tells it, though the photographs come after the model", () =>
+    visit(browser, server.url, { reducedMotion: "reduce" }, async (page) => {
+        await page.route("**/cameras", async (route) => {
+            await settled(page);
+            await route.continue();
+        });
+        await page.goto(address);
+        await page.locator(".thumb").first().waitFor();
+        await stillView(page);
+        const told = await viewOf(page);
+        await page.getByRole("button", { name: "Fit the model" }).click();
+        const fitted = await viewOf(page);
+        assert.ok(Math.abs(fitted.distance / told.distance - 1) < 1e-4, `fitted at ${fitted.distance}, told ${told.distance}`);
+    }));
+
 test("View: it fits the window until it is touched, and then stays as it was made", () =>
     withModel({}, async (page) => {
         const resizedTo = async (width, height) => {

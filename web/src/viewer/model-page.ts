@@ -114,6 +114,7 @@ class ModelPage {
         const cameras = await getCameras(this.id).catch(() => undefined); // the model is there without them
         if (!cameras || cameras.cameras.length === 0 || this.stop.signal.aborted) return;
         this.stage.openPhotographs(cameras);
+        if (this.model?.mesh) this.remember(); // an untouched view makes room for them
     }
 
     private attach(model: Model): void {
