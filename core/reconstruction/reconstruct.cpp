@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "core/error.h"
@@ -146,10 +147,14 @@ std::vector<double> flow_at_fixed_rate(PhotoBackend& sampler, PhotoBackend& back
 /// Moves the views to where they show the surface, if they are off by `least_px` pixels (root mean square) or more.
 /// @return whether they were
 bool align_views(Start& start, int level, double least_px) {
-    const std::vector<Vec2> shifts = estimate_shifts(start.images, start.mesh, level);
+    std::vector<Vec2> shifts = estimate_shifts(start.images, start.mesh, level);
     double squared_norm = 0;
     for (const Vec2& shift : shifts) squared_norm += shift.squaredNorm();
     if (squared_norm < least_px * least_px * static_cast<double>(shifts.size())) return false;
+    std::vector<Vec3>& vertices = start.mesh.vertices;
+    const Vec3 sum = std::accumulate(vertices.begin(), vertices.end(), Vec3(0, 0, 0));
+    const Vec3 translation = take_translation(start.images, sum / start.mesh.n_vertices(), shifts);
+    for (Vec3& v : vertices) v += translation;
     shift_views(start.images, shifts);
     start.silhouettes.shift_views(shifts);
     start.shifts.push_back(shifts);

@@ -1,6 +1,7 @@
 #include "core/reconstruction/view_shifts.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <cmath>
 #include <cstdint>
 
@@ -105,6 +106,12 @@ Vec2 step_to_others(const ShiftedView& view, const ColourSums& sums) {
     return A.ldlt().solve(b).cwiseMax(-most_step_px).cwiseMin(most_step_px);
 }
 
+// By how many pixels a point moves in a view when it moves by a unit along each axis.
+Eigen::Matrix<double, 2, 3> pixels_per_unit(const Mat34& P, const Vec3& point) {
+    const Vec3 x = P * point.homogeneous();
+    return (P.topLeftCorner<2, 3>() - x.hnormalized() * P.bottomLeftCorner<1, 3>()) / x.z();
+}
+
 }  // namespace
 
 std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& surface, int level) {
@@ -123,6 +130,23 @@ std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& 
     std::vector<Vec2> shifts;
     for (const ShiftedView& view : views) shifts.push_back(std::ldexp(1.0, level) * view.shift);
     return shifts;
+}
+
+Vec3 take_translation(const PhotoImages& images, const Vec3& point, std::span<Vec2> shifts) {
+    const auto for_each_shifted = [&](const auto& body) {
+        for (std::size_t i = 0; i < shifts.size(); ++i)
+            if (shifts[i] != Vec2(0, 0)) body(shifts[i], pixels_per_unit(images.views[i].levels[0].P, point));
+    };
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero();
+    for_each_shifted([&](const Vec2& shift, const auto& J) {
+        A += J.transpose() * J;
+        b += J.transpose() * shift;
+    });
+    // Views that all look along one axis do not say how far things move along it: then they do not move.
+    const Vec3 translation = A.completeOrthogonalDecomposition().solve(b);
+    for_each_shifted([&](Vec2& shift, const auto& J) { shift -= J * translation; });
+    return translation;
 }
 
 void shift_views(PhotoImages& images, std::span<const Vec2> shifts) {

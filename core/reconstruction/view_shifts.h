@@ -16,6 +16,15 @@ namespace anyrate {
 /// @return one shift a view
 std::vector<Vec2> estimate_shifts(const PhotoImages& images, const SurfaceView& surface, int level);
 
+/// Splits shifts into a translation of the surface and what is left of them, which is the least possible (sum of
+/// squares): a surface that has moved by the translation fits images shifted by the rest as well as it did before.
+/// Images cannot tell these apart; cameras that are off independently of each other are off least together. A view
+/// without a shift has none afterwards.
+/// @param point  in the middle of the surface
+/// @param shifts  pixels of the photographs, one entry a view; the rest afterwards
+/// @return the translation
+Vec3 take_translation(const PhotoImages& images, const Vec3& point, std::span<Vec2> shifts);
+
 /// Moves what every camera shows, at all levels, by its shift, pixels of the photographs; one entry a view.
 void shift_views(PhotoImages& images, std::span<const Vec2> shifts);
 
