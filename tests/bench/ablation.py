@@ -334,6 +334,14 @@ TECHNIQUES = [
         ["--pose-noise", 0.5],
     ),
     Technique(
+        "kept_places",
+        "what the shifts of all cameras have in common is undone; here half a pixel off",
+        CORE + "reconstruct.cpp",
+        "const Vec3 translation = take_translation(start.images, sum / start.mesh.n_vertices(), shifts);",
+        "const Vec3 translation = 0 * sum;",
+        ["--pose-noise", 0.5],
+    ),
+    Technique(
         "aligned_masks",
         "masks grow to where the surface has its contours; here two pixels too small",
         CORE + "reconstruct.cpp",
