@@ -42,18 +42,13 @@ public:
         options.finest_level = std::max(level - 1, options.finest_level);
         visibility_.reset();  // before the next one takes as much memory
         visibility_ = std::make_unique<Visibility>(images_, surface, options, faces);
-        const OneRings rings(surface);
-        faces_.resize(surface.triangles.size());
+        if (!std::ranges::equal(triangles_, surface.triangles)) weigh_corners(surface);
         const double area_scale = std::ldexp(1.0, -2 * level);
         std::vector<double> areas_px(faces_.size());
         for (std::size_t f = 0; f < faces_.size(); ++f)
             areas_px[f] = visibility_->mean_area_px(static_cast<std::int32_t>(f)) * area_scale;
         const std::vector<int> steps = lattice_steps(areas_px, samples_per_px, sampling_);
-        for (std::size_t f = 0; f < faces_.size(); ++f) {
-            faces_[f].steps = steps[f];
-            for (std::size_t k = 0; k < 3; ++k)
-                faces_[f].corner_weight[k] = 1.0F / static_cast<float>(rings.valence(surface.triangles[f][k]));
-        }
+        for (std::size_t f = 0; f < faces_.size(); ++f) faces_[f].steps = steps[f];
     }
 
     std::vector<TriangleDistortion> distortions(std::span<const TriangleQuery> batch) override {
@@ -79,6 +74,16 @@ private:
         int steps = 1;
         float corner_weight[3] = {0, 0, 0};  ///< 1 / valence
     };
+
+    /// Of a mesh that has other faces than the last one.
+    void weigh_corners(const SurfaceView& surface) {
+        triangles_.assign(surface.triangles.begin(), surface.triangles.end());
+        faces_.resize(triangles_.size());
+        const OneRings rings(surface);
+        for (std::size_t f = 0; f < faces_.size(); ++f)
+            for (std::size_t k = 0; k < 3; ++k)
+                faces_[f].corner_weight[k] = 1.0F / static_cast<float>(rings.valence(triangles_[f][k]));
+    }
 
     /// Nghiem et al., Eq. 8: 1/valence at a vertex, 1/2 on an edge, 1 inside.
     static void weigh(const Face& face, const SampleLanes& lanes, Float8& weight) {
@@ -202,6 +207,7 @@ private:
     Sampling sampling_;
     int level_ = 0;
     std::unique_ptr<Visibility> visibility_;
+    std::vector<Triangle> triangles_;  ///< of the last surface
     std::vector<Face> faces_;
 };
 
