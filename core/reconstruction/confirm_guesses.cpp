@@ -6,21 +6,11 @@
 
 #include "core/reconstruction/face_distortions.h"
 #include "core/reconstruction/fairing.h"
+#include "core/reconstruction/mend_patches.h"
 #include "core/reconstruction/optimise_surface.h"
-#include "core/reconstruction/replace_patches.h"
 
 namespace anyrate {
 namespace {
-
-/// One replacement of patches after the other. Where noise outweighs the texture only the lower doubt finds a web
-/// behind an ear (a tenth of the texture: 0.0220 % of the diagonal without it, 0.0204 with it); by it alone from the
-/// start folds of clean photographs close (Psi of nefertiti's 10,000 vertices: 7.4 instead of 7.1). Without the smaller
-/// patches cropped photographs are 3 % worse; with 3 and 4 rings as well nothing is nearer.
-struct PatchPass {
-    double doubt;  ///< see PatchOptions
-    int n_rings;
-};
-constexpr PatchPass patch_passes[] = {{25, 2}, {25, 1}, {10, 2}, {10, 1}};
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -48,31 +38,6 @@ std::vector<Standing> find_standings(std::span<const char> is_guessed, std::span
             std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return inner[at(w)] != Standing::shown; }))
             standings[at(v)] = Standing::doubtful;
     return standings;
-}
-
-/// The flagged vertices and the middles of the edges between them, each with a reach of half an edge: what is on the
-/// guess after the mesh was subdivided or simplified is near a point of it, what is beside it is not.
-GuessedSurface surface_of(const Mesh& mesh, std::span<const char> is_guessed) {
-    const OneRings rings(mesh);
-    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
-    const std::vector<double> edges = mean_edge_lengths(mesh, rings);
-    std::vector<OrientedPoint> points;
-    double sum_of_edges = 0;
-    for (std::size_t v = 0; v < is_guessed.size(); ++v)
-        if (is_guessed[v] != 0) {
-            points.push_back({mesh.vertices[v], normals[v], 0.0});
-            sum_of_edges += edges[v];
-        }
-    if (points.empty()) return {};
-    const double reach = 0.5 * sum_of_edges / static_cast<double>(points.size());
-    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v) {
-        if (is_guessed[at(v)] == 0) continue;
-        for (const std::int32_t w : rings.neighbours(v))
-            if (w > v && is_guessed[at(w)] != 0)
-                points.push_back({0.5 * (mesh.vertices[at(v)] + mesh.vertices[at(w)]),
-                                  (normals[at(v)] + normals[at(w)]).normalized(), 0.0});
-    }
-    return GuessedSurface(std::move(points), reach);
 }
 
 /// What a pass leaves to the next.
@@ -157,10 +122,8 @@ GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, 
         distortions.measure_around(pass.active, mesh, rings);
     }
     if (options.passes > 0 && !stop.stop_requested())
-        for (const auto [doubt, n_rings] : patch_passes)
-            replace_patches(backend, silhouettes, rings, distortions, guesses, mesh,
-                            {.level = options.coarsest_level, .doubt = doubt, .n_rings = n_rings}, stop);
-    return surface_of(mesh, guesses);
+        mend_patches(backend, silhouettes, std::move(distortions), options.coarsest_level, guesses, mesh, stop);
+    return guessed_part(mesh, guesses);
 }
 
 }  // namespace anyrate

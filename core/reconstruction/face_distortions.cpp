@@ -4,17 +4,17 @@
 
 namespace anyrate {
 
-FaceDistortions::FaceDistortions(PhotoBackend& backend, const Mesh& mesh) : backend_(backend) {
-    backend_.set_surface(mesh, 0, 1.0);
-    faces_ = backend_.distortions(whole_surface(mesh));
+FaceDistortions::FaceDistortions(PhotoBackend& backend, const Mesh& mesh) : backend_(&backend) {
+    backend_->set_surface(mesh, 0, 1.0);
+    faces_ = backend_->distortions(whole_surface(mesh));
 }
 
 void FaceDistortions::measure_around(std::span<const std::int32_t> moved, const Mesh& mesh, const OneRings& rings) {
     const std::vector<std::int32_t> around = faces_around(rings, moved);
     std::vector<TriangleQuery> queries;
     for (const std::int32_t f : around) queries.push_back(query_of(mesh, f));
-    backend_.set_surface(mesh, 0, 1.0, around);
-    const std::vector<TriangleDistortion> measured = backend_.distortions(queries);
+    backend_->set_surface(mesh, 0, 1.0, around);
+    const std::vector<TriangleDistortion> measured = backend_->distortions(queries);
     for (std::size_t i = 0; i < around.size(); ++i) faces_[static_cast<std::size_t>(around[i])] = measured[i];
 }
 

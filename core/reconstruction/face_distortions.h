@@ -19,13 +19,20 @@ public:
     /// @param moved  vertices of `mesh`, which has the faces of the mesh that was measured whole; ascending
     void measure_around(std::span<const std::int32_t> moved, const Mesh& mesh, const OneRings& rings);
 
+    /// Those of another mesh with the same faces, for faces that have come to look like there.
+    template <class IsTaken>
+    void take(const FaceDistortions& other, const IsTaken& is_taken) {
+        for (std::size_t f = 0; f < faces_.size(); ++f)
+            if (is_taken(static_cast<std::int32_t>(f))) faces_[f] = other.faces_[f];
+    }
+
     std::span<const TriangleDistortion> faces() const { return faces_; }
 
     /// G (Nghiem et al., Eq. 9) of every vertex, squared colour units; none where no two views see it.
     std::vector<std::optional<double>> of_vertices(const OneRings& rings, int n_vertices) const;
 
 private:
-    PhotoBackend& backend_;
+    PhotoBackend* backend_;
     std::vector<TriangleDistortion> faces_;
 };
 

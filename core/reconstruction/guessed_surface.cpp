@@ -9,6 +9,8 @@
 namespace anyrate {
 namespace {
 
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
 bool is_near(const PointGrid& grid, const OrientedPoint& point) {
     bool near = false;
     grid.for_each_near(point, [&](const OrientedPoint&) { return near = true, false; });
@@ -65,6 +67,29 @@ std::vector<OrientedPoint> guessed_points(const SurfaceView& surface, std::span<
     for (std::size_t v = 0; v < guessed.size(); ++v)
         if (guessed[v] != 0) points.push_back({surface.vertices[v], normals[v], 0.0});
     return points;
+}
+
+GuessedSurface guessed_part(const Mesh& mesh, std::span<const char> is_guessed) {
+    const OneRings rings(mesh);
+    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
+    const std::vector<double> edges = mean_edge_lengths(mesh, rings);
+    std::vector<OrientedPoint> points;
+    double sum_of_edges = 0;
+    for (std::size_t v = 0; v < is_guessed.size(); ++v)
+        if (is_guessed[v] != 0) {
+            points.push_back({mesh.vertices[v], normals[v], 0.0});
+            sum_of_edges += edges[v];
+        }
+    if (points.empty()) return {};
+    const double reach = 0.5 * sum_of_edges / static_cast<double>(points.size());
+    for (std::int32_t v = 0; v < mesh.n_vertices(); ++v) {
+        if (is_guessed[at(v)] == 0) continue;
+        for (const std::int32_t w : rings.neighbours(v))
+            if (w > v && is_guessed[at(w)] != 0)
+                points.push_back({0.5 * (mesh.vertices[at(v)] + mesh.vertices[at(w)]),
+                                  (normals[at(v)] + normals[at(w)]).normalized(), 0.0});
+    }
+    return GuessedSurface(std::move(points), reach);
 }
 
 }  // namespace anyrate

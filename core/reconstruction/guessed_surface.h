@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/mesh.h"
 #include "core/reconstruction/plane_sweep.h"
 #include "core/reconstruction/point_grid.h"
 #include "core/reconstruction/surface_view.h"
@@ -32,6 +33,11 @@ private:
     double reach_ = 0;
     std::unique_ptr<PointGrid> grid_;  ///< of points_, whose buffer stays where it is when this is moved
 };
+
+/// Of a mesh: the flagged vertices and the middles of the edges between them, each with a reach of half an edge: what
+/// is on the guess after the mesh was subdivided or simplified is near a point of it, what is beside it is not.
+/// @param is_guessed  one flag a vertex
+GuessedSurface guessed_part(const Mesh& mesh, std::span<const char> is_guessed);
 
 struct EvidenceOptions {
     double reach = 0;         ///< of a silhouette point, world units

@@ -87,6 +87,7 @@ struct Start {
     GuessedSurface guessed;
     Mesh mesh;
     int n_resolved = 0;                     // vertices, see resolved_vertices()
+    int n_even = 0;                         // vertices of the mesh once it is optimised, before parts of it get more
     std::vector<Gains> gains;               // that the colours were divided by
     std::vector<std::vector<Vec2>> shifts;  // of the views, each time they were moved
 };
@@ -124,6 +125,7 @@ Start make_start(Capture capture, const ReconstructOptions& options, const Captu
             std::move(initial.guessed),
             std::move(mesh),
             n_resolved,
+            0,
             std::move(gains),
             {}};
 }
@@ -215,7 +217,7 @@ Mesh fit_base(const Mesh& fine, Mesh first_stage, const TrueSurface& fitted, int
 /// @param n_log  vertices of the log that will approach it
 Mesh fine_surface(PhotoBackend& backend, Start& start, int n_log, const std::stop_token& stop) {
     const int n_wanted = static_cast<int>(fine_over_log * n_log);
-    const int n_vertices = std::max(start.mesh.n_vertices(), std::min(n_wanted, start.n_resolved));
+    const int n_vertices = std::max(start.n_even, std::min(n_wanted, start.n_resolved));
     Mesh fine = subdivide(decimate(start.mesh, static_cast<int>(simplified_part * n_vertices)));
     const std::vector<Vec3> simplified(fine.vertices);
     optimise_surface(backend, start.silhouettes, fine.vertices, fine.triangles, {}, start.guessed.vertices(fine), {},
@@ -303,7 +305,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
     const bool fixed_rate = options.method == Method::flow;
     const int n_base = fixed_rate ? options.n_vertices : options.n_coarse;
     Start start = make_start(std::move(capture), options, frame, sink, tell);
-    auto& [images, silhouettes, guessed, mesh, n_resolved, gains, shifts] = start;
+    auto& [images, silhouettes, guessed, mesh, n_resolved, n_even, gains, shifts] = start;
 
     const auto backend = options.backend(images, Sampling::adaptive);
     // One of its own where two surfaces are looked at in turns or samples are shared out otherwise: a device need not
@@ -318,6 +320,7 @@ ReconstructResult reconstruct(Capture capture, const ReconstructOptions& options
         iterations = flow_at_fixed_rate(sampler, *backend, options, mesh, tell, stop);
     } else {
         optimise_coarse_to_fine(sampler, start, tell, stop);
+        n_even = mesh.n_vertices();
         guessed = confirm_guesses(sampler, silhouettes, guessed, mesh, {}, stop);
     }
     Mesh fine = fixed_rate ? mesh : fine_surface(*backend, start, options.n_vertices, stop);

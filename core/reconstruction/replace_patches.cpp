@@ -16,13 +16,6 @@ constexpr double attachment = 1e-6;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-void grow(std::vector<char>& flags, const OneRings& rings) {
-    const std::vector<char> inner = flags;
-    for (std::int32_t v = 0; v < static_cast<std::int32_t>(flags.size()); ++v)
-        if (std::ranges::any_of(rings.neighbours(v), [&](std::int32_t w) { return inner[at(w)] != 0; }))
-            flags[at(v)] = 1;
-}
-
 /// The connected parts of what is flagged.
 struct Patches {
     std::vector<std::int32_t> of_vertex;  ///< one a vertex of the mesh, -1 in none
@@ -83,16 +76,23 @@ bool is_better(const Evidence& now, const Evidence& before, const PatchOptions& 
 
 }  // namespace
 
+std::vector<char> doubtful_or_guessed(std::span<const std::optional<double>> G, std::span<const char> is_guessed,
+                                      double doubt) {
+    std::vector<char> flags(is_guessed.size());
+    const std::optional<double> usual = usual_distortion(G, is_guessed);
+    if (!usual) return flags;
+    for (std::size_t v = 0; v < flags.size(); ++v) flags[v] = G[v] && (is_guessed[v] != 0 || *G[v] > doubt * *usual);
+    return flags;
+}
+
 void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneRings& rings,
                      FaceDistortions& distortions, std::span<char> is_guessed, Mesh& mesh, const PatchOptions& options,
                      const std::stop_token& stop) {
     const auto G = distortions.of_vertices(rings, mesh.n_vertices());
     const std::optional<double> usual = usual_distortion(G, is_guessed);
     if (!usual) return;
-    std::vector<char> flags(is_guessed.size());
-    for (std::size_t v = 0; v < flags.size(); ++v)
-        flags[v] = G[v] && (is_guessed[v] != 0 || *G[v] > options.doubt * *usual);
-    for (int i = 0; i < options.n_rings; ++i) grow(flags, rings);
+    std::vector<char> flags = doubtful_or_guessed(G, is_guessed, options.doubt);
+    for (int i = 0; i < options.n_rings; ++i) grow_by_ring(flags, rings);
     const Patches patches(flags, rings);
     if (patches.vertices.empty()) return;
 
@@ -108,16 +108,18 @@ void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneR
     const double credible = round_rules().outlier * *usual;
     const std::vector<Evidence> before = evidence_of(patches, mesh.triangles, distortions.faces(), credible),
                                 after = evidence_of(patches, mesh.triangles, of_trial.faces(), credible);
-    const auto is_replaced = [&](std::int32_t v) {
-        const std::size_t patch = at(patches.of_vertex[at(v)]);
-        return is_better(after[patch], before[patch], options);
-    };
+    std::vector<char> is_replaced(patches.n_patches);
+    for (std::size_t i = 0; i < patches.n_patches; ++i) is_replaced[i] = is_better(after[i], before[i], options);
+    const auto moves = [&](std::int32_t v) { return is_replaced[at(patches.of_vertex[at(v)])] != 0; };
     for (const std::int32_t v : patches.vertices)
-        if (is_replaced(v)) mesh.vertices[at(v)] = trial.vertices[at(v)];
-    distortions.measure_around(patches.vertices, mesh, rings);
+        if (moves(v)) mesh.vertices[at(v)] = trial.vertices[at(v)];
+    distortions.take(of_trial, [&](std::int32_t face) {
+        const std::int32_t patch = patches.of_face(mesh.triangles[at(face)]);
+        return patch >= 0 && is_replaced[at(patch)] != 0;
+    });
     const auto now = distortions.of_vertices(rings, mesh.n_vertices());
     for (const std::int32_t v : patches.vertices)
-        if (is_replaced(v) && now[at(v)] && *now[at(v)] < options.doubt * *usual) is_guessed[at(v)] = 0;
+        if (moves(v) && now[at(v)] && *now[at(v)] < options.doubt * *usual) is_guessed[at(v)] = 0;
 }
 
 }  // namespace anyrate

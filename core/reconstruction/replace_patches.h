@@ -1,6 +1,8 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 #include "core/mesh/mesh.h"
 #include "core/reconstruction/face_distortions.h"
@@ -18,6 +20,13 @@ struct PatchOptions {
     double least_evidence = 0.5;    ///< samples that it is seen at, in parts of those before: hidden is not better
 };
 
+/// Flags the vertices that two views or more see, and that are guesses or disagree.
+/// @param G      Eq. 9, squared colour units
+/// @param doubt  least G, in medians over no guesses
+/// @return one a vertex; none is flagged where there is no median
+std::vector<char> doubtful_or_guessed(std::span<const std::optional<double>> G, std::span<const char> is_guessed,
+                                      double doubt);
+
 /// Where single vertices cannot agree with the images whatever they do, what is wrong may be the shape: a web between
 /// an ear and the head behind it, a flap that a hull's lid has left. Grows patches around the vertices that are seen
 /// but doubtful or guessed, bends each as little as the rest allows, whatever it looked like, and lets them follow the
@@ -25,7 +34,7 @@ struct PatchOptions {
 /// what was there as a whole; guesses in it that agree about as well as the rest are guesses no longer.
 /// @param distortions  of `mesh`, before and after
 /// @param is_guessed   one flag a vertex
-/// @param mesh         with edges of about one length
+/// @param mesh         with edges of about one length in each patch
 void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneRings& rings,
                      FaceDistortions& distortions, std::span<char> is_guessed, Mesh& mesh, const PatchOptions& options,
                      const std::stop_token& stop = {});

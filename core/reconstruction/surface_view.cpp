@@ -68,6 +68,14 @@ std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const st
     return faces;
 }
 
+void grow_by_ring(std::span<char> flags, const OneRings& rings) {
+    const std::vector<char> inner(flags.begin(), flags.end());
+    for (std::size_t v = 0; v < flags.size(); ++v)
+        if (std::ranges::any_of(rings.neighbours(static_cast<std::int32_t>(v)),
+                                [&](std::int32_t w) { return inner[at(w)] != 0; }))
+            flags[v] = 1;
+}
+
 std::vector<double> mean_edge_lengths(const SurfaceView& surface, const OneRings& rings) {
     std::vector<double> lengths(surface.vertices.size(), 0.0);
     parallel_for(lengths.size(), [&](std::size_t v) {

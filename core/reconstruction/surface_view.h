@@ -47,6 +47,10 @@ std::vector<Vec3> vertex_normals(const SurfaceView& surface, const OneRings& rin
 /// The faces of some vertices' one-rings, ascending, each once.
 std::vector<std::int32_t> faces_around(const OneRings& rings, std::span<const std::int32_t> vertices);
 
+/// Flags every neighbour of a flagged vertex as well.
+/// @param flags  one a vertex
+void grow_by_ring(std::span<char> flags, const OneRings& rings);
+
 /// Mean edge length around each vertex, world units.
 std::vector<double> mean_edge_lengths(const SurfaceView& surface, const OneRings& rings);
 

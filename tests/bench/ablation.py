@@ -115,6 +115,13 @@ TECHNIQUES = [
         "if (false)",
     ),
     Technique(
+        "halved_edges",
+        "where images still disagree patches are replaced anew with edges of half the length",
+        CORE + "mend_patches.cpp",
+        "if (finer.n_vertices() == mesh.n_vertices() || stop.stop_requested()) return;",
+        "return;",
+    ),
+    Technique(
         "patches_of_cropped",
         "the same where photographs are cropped to 70 %",
         CORE + "confirm_guesses.cpp",

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/mesh/topology.h"
+#include "core/reconstruction/mend_patches.h"
 #include "core/simulation/parametric_meshes.h"
 #include "eq_test_scenes.h"
 
@@ -28,6 +30,9 @@ struct Scene {
         const OneRings rings(mesh);
         FaceDistortions distortions(*backend, mesh);
         anyrate::replace_patches(*backend, silhouettes, rings, distortions, is_guessed, mesh, {});
+    }
+    void mend_patches(Mesh& mesh, std::vector<char>& is_guessed) {
+        anyrate::mend_patches(*backend, silhouettes, FaceDistortions(*backend, mesh), 1, is_guessed, mesh);
     }
 };
 
@@ -76,7 +81,8 @@ TEST_CASE("Replace patches: what the photographs agree on stays where it is") {
     CHECK(mesh.vertices == sphere.vertices);
 }
 
-TEST_CASE("Replace patches: where no surface agrees with the photographs a guess stays one, within an edge of where it was") {
+TEST_CASE(
+    "Replace patches: where no surface agrees with the photographs a guess stays one, within an edge of where it was") {
     Scene scene(contradictory_sphere());
     Mesh mesh = icosphere(3);
     std::vector<char> is_guessed(mesh.vertices.size());
@@ -85,6 +91,39 @@ TEST_CASE("Replace patches: where no surface agrees with the photographs a guess
     scene.replace_patches(mesh, is_guessed);
     for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.14);
     CHECK(is_guessed == guessed_before);
+}
+
+TEST_CASE("Mend patches: a flap goes, and a mesh that agrees everywhere gets no more vertices") {
+    Scene scene;
+    Mesh mesh = flapped_sphere();
+    std::vector<char> is_guessed(mesh.vertices.size());
+    scene.mend_patches(mesh, is_guessed);
+    for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.02);
+
+    const Mesh sphere = icosphere(3);
+    mesh = sphere;
+    is_guessed.assign(mesh.vertices.size(), 0);
+    scene.mend_patches(mesh, is_guessed);
+    CHECK(mesh.vertices == sphere.vertices);
+    CHECK(mesh.triangles == sphere.triangles);
+}
+
+TEST_CASE("Mend patches: where the photographs contradict each other edges are halved, and guesses stay guesses") {
+    Scene scene(contradictory_sphere());
+    const Mesh sphere = icosphere(3);
+    Mesh mesh = sphere;
+    std::vector<char> is_guessed(mesh.vertices.size());
+    for (std::size_t v = 0; v < is_guessed.size(); ++v) is_guessed[v] = is_in_patch(mesh.vertices[v]);
+    scene.mend_patches(mesh, is_guessed);
+
+    CHECK(measure_topology(mesh).is_closed_manifold());
+    CHECK(mesh.n_vertices() > sphere.n_vertices());
+    CHECK(mesh.n_vertices() < 2 * sphere.n_vertices());
+    for (auto v = sphere.vertices.size(); v < mesh.vertices.size(); ++v) CHECK(mesh.vertices[v].x() > 0.6);
+    REQUIRE(is_guessed.size() == mesh.vertices.size());
+    CHECK(std::ranges::count(is_guessed, 1) > 0);
+    for (std::size_t v = 0; v < is_guessed.size(); ++v)
+        if (is_guessed[v] != 0) CHECK(mesh.vertices[v].x() > 0.9);
 }
 
 TEST_CASE("Replace patches: a guess without evidence is left alone") {
