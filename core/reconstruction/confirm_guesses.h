@@ -28,8 +28,9 @@ struct ConfirmGuessOptions {
 /// their sight; where they are far from agreeing, before and after if they see it after, it becomes one. What no two
 /// views see beside a guess is one as well, a ring further in every spreading pass: such surface, left where the hull
 /// had it, stood five pixels below the bowl's belly and before what the views look at there (Psi of 10,000 vertices:
-/// 15; now it is 7). What the images still disagree on after all passes is replaced patch by patch, if that helps.
-/// @param mesh  with edges of about one length; its guessed and doubtful vertices are moved
+/// 15; now it is 7). What the images still disagree on after all passes is given other shapes and more vertices, see
+/// mend_patches().
+/// @param mesh  with edges of about one length; guessed and doubtful vertices move, and get others between them
 /// @return what is left of the guess
 GuessedSurface confirm_guesses(PhotoBackend& backend, Silhouettes& silhouettes, const GuessedSurface& guessed,
                                Mesh& mesh, const ConfirmGuessOptions& options = {}, const std::stop_token& stop = {});
