@@ -41,7 +41,7 @@ public:
         VisibilityOptions options;
         options.finest_level = std::max(level - 1, options.finest_level);
         visibility_.reset();  // before the next one takes as much memory
-        visibility_ = std::make_unique<Visibility>(images_, surface, options, faces);
+        visibility_ = std::make_unique<Visibility>(images_, surface, options, faces, &standing_);
         if (!std::ranges::equal(triangles_, surface.triangles)) weigh_corners(surface);
         const double area_scale = std::ldexp(1.0, -2 * level);
         std::vector<double> areas_px(faces_.size());
@@ -207,6 +207,7 @@ private:
     Sampling sampling_;
     int level_ = 0;
     std::unique_ptr<Visibility> visibility_;
+    StandingDepth standing_;
     std::vector<Triangle> triangles_;  ///< of the last surface
     std::vector<Face> faces_;
 };

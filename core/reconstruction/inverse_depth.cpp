@@ -133,6 +133,14 @@ void rasterise(const TriangleLanes& triangles, std::size_t lane, int width, Inve
     }
 }
 
+ScreenVertex project(const PhotoLevel& level, const Vec3& vertex) {
+    const Vec3 x = level.P * vertex.homogeneous();
+    if (!(x.z() > 0)) return {};
+    const double inverse_depth = 1.0 / x.z();
+    return {static_cast<float>(x.x() * inverse_depth), static_cast<float>(x.y() * inverse_depth),
+            static_cast<float>(inverse_depth)};
+}
+
 bool looks_at_camera(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) < 0;  // see set_up()
 }
@@ -141,13 +149,14 @@ bool looks_at_camera(const ScreenVertex& a, const ScreenVertex& b, const ScreenV
 
 std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& surface) {
     std::vector<ScreenVertex> projected(surface.vertices.size());
-    for (std::size_t v = 0; v < projected.size(); ++v) {
-        const Vec3 x = level.P * surface.vertices[v].homogeneous();
-        if (!(x.z() > 0)) continue;
-        const double inverse_depth = 1.0 / x.z();
-        projected[v] = {static_cast<float>(x.x() * inverse_depth), static_cast<float>(x.y() * inverse_depth),
-                        static_cast<float>(inverse_depth)};
-    }
+    for (std::size_t v = 0; v < projected.size(); ++v) projected[v] = project(level, surface.vertices[v]);
+    return projected;
+}
+
+std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& surface,
+                                  std::span<const std::int32_t> some) {
+    std::vector<ScreenVertex> projected(surface.vertices.size());
+    for (const std::int32_t v : some) projected[at(v)] = project(level, surface.vertices[at(v)]);
     return projected;
 }
 
@@ -217,7 +226,13 @@ InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int hei
     // Groups at the box's sides reach beyond it.
     const int left = std::max(0, box.x0 - (lanes - 1)), right = std::min(width, box.x1 + (lanes - 1));
     InverseDepthPart part{left, box.y0, Image<float>(right - left, box.height(), 0.0F)};
-    if (width < lanes) return part;  // no image of an object is so narrow
+    draw_inverse_depth(box, width, height, vertices, triangles, part);
+    return part;
+}
+
+void draw_inverse_depth(const PixelBox& box, int width, int height, std::span<const ScreenVertex> vertices,
+                        std::span<const Triangle> triangles, InverseDepthPart& part) {
+    if (width < lanes) return;  // no image of an object is so narrow
     const Frame frame{width, height, box};
     CornerLanes corners;
     std::size_t n = 0;
@@ -237,7 +252,6 @@ InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int hei
         if (n == n_lanes) draw();
     }
     draw();
-    return part;
 }
 
 std::vector<Triangle> triangles_at(const PixelBox& box, std::span<const ScreenVertex> vertices,

@@ -18,6 +18,10 @@ struct ScreenVertex {
 /// Every vertex of the surface in the camera of a level.
 std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& surface);
 
+/// The same of some vertices; the others are left behind the camera.
+std::vector<ScreenVertex> project(const PhotoLevel& level, const SurfaceView& surface,
+                                  std::span<const std::int32_t> some);
+
 /// Inverse depth of the nearest surface at every pixel, 1 / world units along the optical axis; 0 where there is none.
 /// Faces that look away are left out: the nearest part of a closed surface always looks at the camera.
 /// @param vertices  project() of the surface at the level whose size is asked for
@@ -34,6 +38,11 @@ struct InverseDepthPart {
 /// @param box  not empty, within the image
 InverseDepthPart render_inverse_depth_in(const PixelBox& box, int width, int height,
                                          std::span<const ScreenVertex> vertices, std::span<const Triangle> triangles);
+
+/// Draws triangles over what such a part shows: the nearer one of both stays.
+/// @param box  as the part was rendered in
+void draw_inverse_depth(const PixelBox& box, int width, int height, std::span<const ScreenVertex> vertices,
+                        std::span<const Triangle> triangles, InverseDepthPart& part);
 
 /// Draws every surface one pixel further, over what lies far behind it: each pixel becomes the larger of its own
 /// inverse depth and `far_part` of the largest among its eight neighbours.

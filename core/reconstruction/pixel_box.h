@@ -10,6 +10,9 @@ struct PixelBox {
     int width() const { return x1 - x0; }
     int height() const { return y1 - y0; }
     bool is_empty() const { return x0 >= x1 || y0 >= y1; }
+    bool holds(const PixelBox& other) const {
+        return x0 <= other.x0 && y0 <= other.y0 && x1 >= other.x1 && y1 >= other.y1;
+    }
     /// Makes it hold a pixel, too.
     void extend(int x, int y) {
         if (is_empty()) *this = {x, y, x + 1, y + 1};

@@ -192,18 +192,6 @@ private:
     float area_scale_;
 };
 
-/// Renders the surface in a box: all that the view has of it, or what is around a part.
-InverseDepthPart render(const PixelBox& box, const PhotoLevel& level, std::span<const ScreenVertex> vertices,
-                        std::span<const Triangle> triangles, bool is_part) {
-    if (box.is_empty()) return {};
-    std::vector<Triangle> near;
-    if (is_part) {
-        near = triangles_at(box, vertices, triangles);
-        triangles = near;
-    }
-    return render_inverse_depth_in(box, level.width, level.height, vertices, triangles);
-}
-
 }  // namespace
 
 int depth_map_level(const PhotoImages& images, int finest_level) {
@@ -229,7 +217,7 @@ double pixel_size_at(const PhotoImages& images, const Vec3& point) {
 }
 
 Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options,
-                       std::span<const std::int32_t> faces)
+                       std::span<const std::int32_t> faces, StandingDepth* standing)
     : level_(depth_map_level(images, options.finest_level)),
       scale_(std::ldexp(1.0F, -level_)),
       views_(images.views.size()) {
@@ -241,6 +229,12 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
         std::iota(all.begin(), all.end(), 0);
         faces = all;
     }
+    StandingDepth none;
+    StandingDepth& others = standing != nullptr ? *standing : none;
+    if (is_part)
+        others.keep(images, level_, surface, faces);
+    else
+        others = {};
     const FacePlanes planes(surface, faces);
     std::vector<std::vector<FaceSight>> by_view(images.views.size());
     parallel_for(
@@ -248,12 +242,17 @@ Visibility::Visibility(const PhotoImages& images, const SurfaceView& surface, co
         [&](std::size_t i) {
             const PhotoView& view = images.views[i];
             const PhotoLevel& level = view.levels[at(level_)];
-            const std::vector<ScreenVertex> vertices = project(level, surface);
+            const std::vector<ScreenVertex> vertices =
+                is_part ? project(level, surface, others.moving_vertices()) : project(level, surface);
             const Looker looker(view, level_, vertices, options);
             by_view[i] = looker.find(surface.triangles, faces, planes);
             const PixelBox box = is_part ? looker.box_around(by_view[i], surface.triangles, faces)
                                          : pixels_around(vertices, level.width, level.height);
-            views_[i] = {level.width, level.height, render(box, level, vertices, surface.triangles, is_part)};
+            views_[i] = {level.width, level.height, {}};
+            if (box.is_empty()) return;
+            views_[i].depth =
+                is_part ? others.draw(i, level, box, vertices)
+                        : render_inverse_depth_in(box, level.width, level.height, vertices, surface.triangles);
             widen_far_contours(views_[i].depth, far_part(view, level_, options));
             take_largest_of_four(views_[i].depth.pixels);
             looker.look(surface.triangles, faces, views_[i].depth, by_view[i]);

@@ -7,6 +7,7 @@
 #include "core/reconstruction/float8.h"
 #include "core/reconstruction/inverse_depth.h"
 #include "core/reconstruction/photo_images.h"
+#include "core/reconstruction/standing_depth.h"
 #include "core/reconstruction/surface_view.h"
 
 namespace anyrate {
@@ -47,8 +48,9 @@ public:
     /// @param faces  that will be asked for, ascending; empty is all. The others hide what they hide, but views() and
     /// mean_area_px() say nothing of them, and depth is rendered around those asked for alone: up to reach_px from
     /// where a view sees them, look_at() is the same as with all.
+    /// @param standing  of the surface before, whose other faces may stand where these do; gets what the next one needs
     Visibility(const PhotoImages& images, const SurfaceView& surface, const VisibilityOptions& options = {},
-               std::span<const std::int32_t> faces = {});
+               std::span<const std::int32_t> faces = {}, StandingDepth* standing = nullptr);
 
     /// The views that see a face, ascending.
     std::span<const FaceView> views(std::int32_t face) const {
