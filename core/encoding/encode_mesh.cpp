@@ -55,13 +55,14 @@ DistortionPoint in_grid_units(const DistortionPoint& point, const Grid& grid) {
 }
 
 /// What a split of each face promises; 0 for a face that is not to be split.
-std::vector<double> split_scores(const MeasuredMesh& now, double smallest_area) {
+std::vector<double> split_scores(const MeasuredMesh& now, std::span<const char> is_rejected, double smallest_area) {
     const std::size_t n = now.faces.size();
     std::vector<double> areas(n), scores = distance_scores(now);
     for (std::size_t f = 0; f < n; ++f) {
         const auto& [a, b, c] = now.mesh.triangles[f];
         const auto& v = now.mesh.vertices;
         areas[f] = 0.5 * twice_area_vector(v[at(a)], v[at(b)], v[at(c)]).norm();
+        if (is_rejected[f] != 0) scores[f] = 0;
     }
     const double mean_area = std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(n);
     const double mean_score = std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(n);
@@ -105,12 +106,15 @@ EncodeEnd encode_mesh(const Mesh& mesh, const EncodeMeshOptions& options, ModelS
     sink.base_attributes(surface_colours(mesh, surface.nearest, now.mesh.vertices),
                          in_grid_units(distortion_of(now), grid));
     tell();
+    std::vector<char> is_rejected;
     while (state.n_vertices() + 3 <= options.n_vertices && !stop.stop_requested()) {
         const int n_before = state.n_vertices();
-        const std::vector<SplitRecord> records =
-            approach(state, split_scores(now, options.smallest_area), splits_of_batch(n_before, options), meter,
-                     {.bit_price = options.bit_price * gain_of_a_bit(now)}, may_meet);
+        is_rejected.resize(at(state.n_faces()), 0);
+        const auto [records, rejected] = approach(
+            state, now, split_scores(now, is_rejected, options.smallest_area), splits_of_batch(n_before, options),
+            meter, {.rounding = {.bit_price = options.bit_price * gain_of_a_bit(now)}, .may_meet = may_meet});
         if (records.empty()) break;
+        for (const std::int32_t face : rejected) is_rejected[at(face)] = 1;
         now = measure(state, meter);
         const auto added = std::span(now.mesh.vertices).subspan(at(n_before));
         sink.batch(records, state, surface_colours(mesh, surface.nearest, added),

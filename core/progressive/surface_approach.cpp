@@ -2,20 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
+#include <numeric>
+#include <utility>
 
 #include "core/mesh/self_intersections.h"
 #include "core/mesh/triangle_shape.h"
 #include "core/mesh/vertex_fit.h"
 #include "core/progressive/batch_selection.h"
+#include "core/progressive/split_gains.h"
 #include "core/progressive/trial_batch.h"
 
 namespace anyrate {
 namespace {
 
 constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
-constexpr double spare = 0.02;          ///< of a batch: splits for those that have faces meet
+constexpr double tried = 1.5;           ///< splits for each one that is taken; 1.25: 1 % worse at 5,000, 2: the same
 constexpr int fewest_spare = 2;         ///< of a batch however small
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -49,23 +51,46 @@ struct EmittedBatch {
     std::vector<SplitRecord> records;
 };
 
-/// Splits the `n_splits` faces of highest scores that have no faces meet.
-/// @param batch  these, and some more
-EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t> batch, std::span<const double> scores,
-                        int n_splits, const BatchTargets& targets, const Rounding& rounding) {
-    std::vector<std::int32_t> by_score(batch.begin(), batch.end());
-    std::ranges::stable_sort(by_score, std::greater<>(), [&](std::int32_t face) { return scores[at(face)]; });
-    for (;;) {
-        const auto n_taken = std::min<std::ptrdiff_t>(n_splits, std::ssize(by_score));
-        std::vector<std::int32_t> taken(by_score.begin(), by_score.begin() + n_taken), left_out;
-        std::ranges::sort(taken);
-        std::ranges::set_difference(batch, taken, std::back_inserter(left_out));
+/// The faces of a batch with the highest scores first, but those whose splits do harm last.
+std::vector<std::int32_t> by_priority(std::span<const std::int32_t> batch, std::span<const double> scores,
+                                      std::span<const double> gains) {
+    std::vector<std::size_t> order(batch.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](std::size_t k) { return std::pair(gains[k] < 0, -scores[at(batch[k])]); });
+    std::vector<std::int32_t> faces;
+    for (const std::size_t k : order) faces.push_back(batch[k]);
+    return faces;
+}
+
+/// Those of a batch, ascending, that are not among the first `n` of some.
+std::vector<std::int32_t> all_but_first(std::size_t n, std::span<const std::int32_t> some,
+                                        std::span<const std::int32_t> batch) {
+    const auto first = some.first(std::min(n, some.size()));
+    std::vector<std::int32_t> taken(first.begin(), first.end()), rest;
+    std::ranges::sort(taken);
+    std::ranges::set_difference(batch, taken, std::back_inserter(rest));
+    return rest;
+}
+
+/// Splits the first `n_splits` faces that have no faces meet; if all do, since the count has to be met, the first ones.
+/// @param ordered  the faces of the batch
+EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t> batch,
+                        std::span<const std::int32_t> ordered, int n_splits, const BatchTargets& targets,
+                        const ApproachOptions& options) {
+    const auto emit_first_of = [&](std::span<const std::int32_t> faces) {
         EmittedBatch emitted{state, {}};
-        emitted.records = emit_batch(emitted.state, batch, targets, left_out, rounding);
+        emitted.records =
+            emit_batch(emitted.state, batch, targets, all_but_first(at(n_splits), faces, batch), options.rounding);
+        return emitted;
+    };
+    if (options.may_meet) return emit_first_of(ordered);
+    for (std::vector<std::int32_t> left(ordered.begin(), ordered.end());;) {
+        EmittedBatch emitted = emit_first_of(left);
+        if (emitted.records.empty()) return emit_first_of(ordered);
         const std::vector<std::int32_t> meeting =
             splits_around(self_intersections(emitted.state.to_mesh()), state, emitted.state, emitted.records);
         if (meeting.empty()) return emitted;
-        std::erase_if(by_score, [&](std::int32_t face) { return std::ranges::binary_search(meeting, face); });
+        std::erase_if(left, [&](std::int32_t face) { return std::ranges::binary_search(meeting, face); });
     }
 }
 
@@ -95,31 +120,36 @@ std::vector<double> distance_scores(const MeasuredMesh& now, double noise) {
     return scores;
 }
 
-BatchTargets fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
-    TrialBatch trial = try_batch(state, batch);
+FittedBatch fit_batch(const RefinableMesh& state, std::span<const std::int32_t> batch, SurfaceMeter& meter) {
+    FittedBatch fitted{try_batch(state, batch), {}};
+    TrialBatch& trial = fitted.trial;
     const std::vector<double> costs = fit_vertices(trial.mesh, trial.active, meter, {});
-    BatchTargets targets = targets_of(trial, state.n_vertices());
+    BatchTargets& targets = fitted.targets = targets_of(trial, state.n_vertices());
     targets.old_costs.assign(costs.begin(), costs.begin() + state.n_vertices());
     targets.new_costs.resize(batch.size());
     for (std::size_t k = 0; k < batch.size(); ++k)
         if (const std::int32_t v = trial.first_new[k]; v >= 0)
             targets.new_costs[k] = {costs[at(v)], costs[at(v + 1)], costs[at(v + 2)]};
-    return targets;
+    return fitted;
 }
 
-std::vector<SplitRecord> approach(RefinableMesh& state, std::span<const double> scores, int n_splits,
-                                  SurfaceMeter& meter, const Rounding& rounding, bool may_meet) {
-    const int n_spare = may_meet ? 0 : std::max(fewest_spare, static_cast<int>(spare * n_splits));
-    const std::vector<std::int32_t> batch = select_batch(state, scores, n_splits + n_spare);
+ApproachStep approach(RefinableMesh& state, const MeasuredMesh& now, std::span<const double> scores, int n_splits,
+                      SurfaceMeter& meter, const ApproachOptions& options) {
+    const int n_tried = std::max(n_splits + fewest_spare, static_cast<int>(tried * n_splits));
+    const std::vector<std::int32_t> batch = select_batch(state, scores, n_tried);
     if (batch.empty()) return {};
-    const BatchTargets targets = fit_batch(state, batch, meter);
-    if (may_meet) return emit_batch(state, batch, targets, {}, rounding);
-    EmittedBatch emitted = emit_apart(state, batch, scores, n_splits, targets, rounding);
-    if (emitted.records.empty())  // the count has to be met
-        return emit_batch(state, batch, targets, std::span(batch).subspan(std::min(batch.size(), at(n_splits))),
-                          rounding);
+    const FittedBatch fitted = fit_batch(state, batch, meter);
+    const MeasuredMesh then{fitted.trial.mesh, meter.distances(fitted.trial.mesh)};
+    const std::vector<double> gains = split_gains(
+        state, batch, fitted.trial, {distance_scores(now, options.noise), distance_scores(then, options.noise)});
+    EmittedBatch emitted =
+        emit_apart(state, batch, by_priority(batch, scores, gains), n_splits, fitted.targets, options);
+    ApproachStep step{std::move(emitted.records), {}};
+    for (std::size_t k = 0; k < batch.size(); ++k)
+        if (gains[k] < 0 && !std::ranges::binary_search(step.records, batch[k], {}, &SplitRecord::face))
+            step.rejected.push_back(batch[k]);
     state = std::move(emitted.state);
-    return std::move(emitted.records);
+    return step;
 }
 
 double gain_of_a_bit(const MeasuredMesh& now) {

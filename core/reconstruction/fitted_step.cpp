@@ -19,19 +19,20 @@ Vec3 mean_vertex(const Mesh& mesh) {
 }  // namespace
 
 std::optional<RefinementStep> approach_fitted(const RefinableMesh& state, const RefinementScene& scene,
-                                              const RefineOptions& options) {
+                                              std::span<const char> is_rejected, const RefineOptions& options) {
     // A new one each time: what it remembered, a run that goes on here could not know.
     SurfaceMeter meter(scene.fitted, fewest_points);
-    const MeasuredMesh measured = measure(state, meter);
-    const std::vector<char> none_rejected(measured.faces.size(), 0);
-    const double noise = noise_px * pixel_footprint(mean_vertex(measured.mesh), scene.images);
-    RefinementStep step{state, {}, {}};
-    step.records = approach(step.state,
-                            split_scores(measured.mesh, distance_scores(measured, noise),
-                                         scene.guessed.vertices(measured.mesh), none_rejected, options),
-                            batch_size(state.n_vertices(), options.growth, options).taken, meter,
-                            {.bit_price = options.bit_price * gain_of_a_bit(measured)});
-    if (step.records.empty()) return std::nullopt;
+    const MeasuredMesh now = measure(state, meter);
+    const double noise = noise_px * pixel_footprint(mean_vertex(now.mesh), scene.images);
+    RefinementStep step{state, {}, {}, {}};
+    ApproachStep batch = approach(
+        step.state, now,
+        split_scores(now.mesh, distance_scores(now, noise), scene.guessed.vertices(now.mesh), is_rejected, options),
+        batch_size(state.n_vertices(), options.growth, options).taken, meter,
+        {.rounding = {.bit_price = options.bit_price * gain_of_a_bit(now)}, .noise = noise});
+    if (batch.records.empty()) return std::nullopt;
+    step.records = std::move(batch.records);
+    step.rejected = std::move(batch.rejected);
     return step;
 }
 

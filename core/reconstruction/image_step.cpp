@@ -131,7 +131,7 @@ OptimisedBatch optimise_batch(const RefinableMesh& state, const StateDistortion&
 /// Emits the batch on a copy of the state, without the faces that are left out.
 RefinementStep try_step(const RefinableMesh& state, std::span<const std::int32_t> batch, const BatchTargets& targets,
                         std::span<const std::int32_t> left_out, PhotoBackend& backend, const RefineOptions& options) {
-    RefinementStep step{state, {}, {}};
+    RefinementStep step{state, {}, {}, {}};
     step.records = emit_batch(step.state, batch, targets, left_out, {});
     step.distortion = measure_state(backend, step.state, options.samples_per_px);
     return step;

@@ -24,7 +24,7 @@ bool has_room(const RefinableMesh& state, const RefineOptions& options) {
 std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistortion& now, PhotoBackend& backend,
                                         const RefinementScene& scene, const RefineOptions& options,
                                         const std::stop_token& stop, std::vector<char>& is_rejected) {
-    if (!options.follows_images) return approach_fitted(state, scene, options);
+    if (!options.follows_images) return approach_fitted(state, scene, is_rejected, options);
     if (now.terms.empty()) now = measure_state(backend, state, options.samples_per_px);
     std::optional<RefinementStep> step = follow_images(state, now, backend, scene, options, stop, is_rejected);
     return step && !step->records.empty() ? std::move(step) : std::nullopt;
@@ -63,9 +63,12 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
                                                    : next_step(state, now, backend, scene, options, stop, is_rejected);
         if (!step) break;
         state = std::move(step->state);
+        is_rejected.resize(at(state.n_faces()), 0);
+        for (const std::int32_t face : step->rejected) is_rejected[at(face)] = 1;
         run_beside(
             [&] {
-                if (has_room(state, options) && !options.follows_images) ahead = approach_fitted(state, scene, options);
+                if (has_room(state, options) && !options.follows_images)
+                    ahead = approach_fitted(state, scene, is_rejected, options);
             },
             [&] {
                 now = send_batch(step->records, std::move(step->distortion), state, backend, scene, options, sink);

@@ -51,6 +51,7 @@ struct RefinementStep {
     RefinableMesh state;
     std::vector<SplitRecord> records;
     std::optional<StateDistortion> distortion;  ///< nullopt: the images were not asked yet
+    std::vector<std::int32_t> rejected;  ///< faces of the state before, whose splits did harm where they were tried
 };
 
 /// How many splits a batch tries, and how many of them it takes at most.

@@ -186,6 +186,13 @@ TECHNIQUES = [
         "return emitted;",
     ),
     Technique(
+        "harmless_splits",
+        "splits that take the mesh further from the surface give way to others",
+        "core/progressive/split_gains.cpp",
+        "gains[at(*split)] += sign * costs[f]",
+        "gains[at(*split)] += 0 * sign * costs[f]",
+    ),
+    Technique(
         "kept_creases",
         "flips that splits imply leave edges along creases alone",
         "core/progressive/refinement_rules.h",

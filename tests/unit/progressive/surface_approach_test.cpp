@@ -82,7 +82,7 @@ TEST_CASE("Approach: a batch's targets lie where chords and sphere are apart lea
     const MeasuredMesh before = measure(state, meter);
     const std::vector<std::int32_t> batch = select_batch(state, distance_scores(before), 40);
     REQUIRE(batch.size() == 40);
-    const BatchTargets targets = fit_batch(state, batch, meter);
+    const BatchTargets targets = fit_batch(state, batch, meter).targets;
     for (std::size_t k = 0; k < batch.size(); ++k) {
         REQUIRE(targets.new_vertices[k].has_value());
         for (std::size_t m = 0; m < 3; ++m) {
@@ -120,8 +120,9 @@ TEST_CASE("Approach: pieces stay apart on their way to a surface whose pieces ar
         const MeasuredMesh before = measure(state, meter);
         for (int batch_number = 0; batch_number < 3; ++batch_number) {
             const int n_before = state.n_vertices();
-            const auto n_split =
-                std::ssize(approach(state, distance_scores(measure(state, meter)), 30, meter, {}, may_meet));
+            const MeasuredMesh now = measure(state, meter);
+            const auto n_split = std::ssize(
+                approach(state, now, distance_scores(now), 30, meter, {.rounding = {}, .may_meet = may_meet}).records);
             CHECK(n_split <= 30);
             CHECK(n_split >= (may_meet ? 30 : 20));  // the more that meet, the fewer are at hand instead
             CHECK(state.n_vertices() == n_before + 3 * n_split);
@@ -139,7 +140,7 @@ TEST_CASE("Approach: where faces met before, others are split instead, if there 
     SurfaceMeter meter(overlapping);
     const auto split = [&](const std::vector<double>& scores) {
         RefinableMesh after = state;
-        const std::vector<SplitRecord> records = approach(after, scores, 1, meter, {});
+        const std::vector<SplitRecord> records = approach(after, measure(state, meter), scores, 1, meter, {}).records;
         REQUIRE(records.size() == 1);
         return records[0].face;
     };
@@ -156,4 +157,50 @@ TEST_CASE("Approach: where faces met before, others are split instead, if there 
     CHECK(split(scores) == meets);
     scores[at(meets_none)] = 1;
     CHECK(split(scores) == meets_none);
+}
+
+namespace {
+
+double middle_x(const Mesh& mesh, const Triangle& t) {
+    return (mesh.vertices[at(t[0])].x() + mesh.vertices[at(t[1])].x() + mesh.vertices[at(t[2])].x()) / 3;
+}
+
+/// The mesh itself on the left, a larger one on the right.
+Mesh swollen_on_the_right(Mesh mesh) {
+    for (Vec3& v : mesh.vertices)
+        if (v.x() > 0) v *= 1 + 0.05 * v.x();
+    return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("Approach: splits that do harm give way to others, and are told") {
+    const RefinableMesh state = sphere_on_grid(3);
+    const Mesh mesh = state.to_mesh();
+    const TrueSurface surface(swollen_on_the_right(mesh), 60'000);
+    SurfaceMeter meter(surface);
+    const MeasuredMesh now = measure(state, meter);
+    // Where the mesh is the surface there is nothing to gain, whatever a score says.
+    std::vector<double> on_the_left(mesh.triangles.size(), 0.0), scores(mesh.triangles.size(), 0.0);
+    for (std::size_t f = 0; f < scores.size(); ++f) {
+        const double x = middle_x(mesh, mesh.triangles[f]);
+        if (x < -0.7) on_the_left[f] = 1;
+        if (x > 0) scores[f] = 1;
+    }
+    const std::vector<std::int32_t> left = select_batch(state, on_the_left, 4);
+    REQUIRE(left.size() == 4);
+    for (const std::int32_t face : left) scores[at(face)] = 2;
+    const auto approach_by = [&](int n_splits) {
+        RefinableMesh after = state;
+        return approach(after, now, scores, n_splits, meter, {});
+    };
+    const ApproachStep step = approach_by(20);
+    CHECK(step.records.size() == 20);
+    CHECK(step.rejected == left);
+    for (const SplitRecord& record : step.records) CHECK(middle_x(mesh, mesh.triangles[at(record.face)]) > 0);
+
+    for (double& score : scores) score = score == 2 ? 1 : 0;
+    const ApproachStep harmful = approach_by(3);  // the count has to be met
+    CHECK(harmful.records.size() == 3);
+    CHECK(harmful.rejected.size() == 1);
 }
