@@ -10,8 +10,8 @@ namespace anyrate {
 /// 2001), evaluated at the middle. Closed manifold in and out, colours are dropped.
 Mesh subdivide(const Mesh& mesh);
 
-/// As subdivide(), but only edges between two flagged vertices get a new one: a face between three of them becomes four,
-/// a face with one such edge two.
+/// As subdivide(), but only edges between two flagged vertices get a new one: a face between three of them becomes
+/// four, a face with one such edge two.
 /// @param flags  one a vertex
 Mesh subdivide_where(const Mesh& mesh, std::span<const char> flags);
 

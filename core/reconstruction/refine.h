@@ -22,8 +22,8 @@ namespace anyrate {
 /// Backend, sink and progress are called on the calling thread, a batch's progress before the sink has anything of the
 /// next.
 /// @param rejected  one flag a face whose split the images did not bear out, or took the state further from the fitted
-///                  surface: all that is remembered from batch to batch besides the state. Whoever gives state and flags as they were after a batch gets the batches
-///                  that would have followed, bit for bit.
+///                  surface: all that is remembered from batch to batch besides the state. Whoever gives state and
+///                  flags as they were after a batch gets the batches that would have followed, bit for bit.
 /// @param known     what measure_without_terms() says of the state, if it was asked already
 /// @return the curve, the state's own point first
 std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, const RefinementScene& scene,
