@@ -12,7 +12,9 @@
 
 namespace anyrate {
 
-Mesh decimate(const Mesh& mesh, int n_vertices) {
+Mesh decimate(const Mesh& mesh, int n_vertices) { return decimate_keeping(mesh, n_vertices, {}).mesh; }
+
+Decimated decimate_keeping(const Mesh& mesh, int n_vertices, std::span<const char> is_kept) {
     if (!measure_topology(mesh).is_closed_manifold()) throw InputError("decimate: expected a closed manifold");
     // Quadrics square the coordinates, and OpenMesh compares their errors as floats: work near the origin, in unit
     // size.
@@ -24,6 +26,12 @@ Mesh decimate(const Mesh& mesh, int n_vertices) {
     Surface surface = to_surface(unit);
     surface.request_face_normals();
     surface.update_face_normals();
+    OpenMesh::VPropHandleT<std::int32_t> source;
+    surface.add_property(source);
+    for (const auto v : surface.vertices()) {
+        surface.property(source, v) = v.idx();
+        if (!is_kept.empty()) surface.status(v).set_locked(is_kept[static_cast<std::size_t>(v.idx())] != 0);
+    }
     OpenMesh::Decimater::DecimaterT<Surface> decimater(surface);
     OpenMesh::Decimater::ModQuadricT<Surface>::Handle quadric;
     OpenMesh::Decimater::ModNormalFlippingT<Surface>::Handle no_flip;
@@ -34,8 +42,9 @@ Mesh decimate(const Mesh& mesh, int n_vertices) {
     decimater.initialize();
     decimater.decimate_to(static_cast<std::size_t>(n_vertices));
     surface.garbage_collection();
-    Mesh coarse = to_mesh(surface);
-    for (Vec3& v : coarse.vertices) v = v * size + centre;
+    Decimated coarse{to_mesh(surface), {}};
+    for (Vec3& v : coarse.mesh.vertices) v = v * size + centre;
+    for (const auto v : surface.vertices()) coarse.sources.push_back(surface.property(source, v));
     return coarse;
 }
 

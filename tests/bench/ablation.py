@@ -154,7 +154,7 @@ TECHNIQUES = [
         "quadric_base",
         "the base's vertices stand where the surface bends",
         "core/mesh/coarse_fit.cpp",
-        "Mesh base = decimate(stage, n_vertices);",
+        "Mesh base = decimate_apart(stage, n_vertices);",
         "Mesh base = remesh_isotropic(mesh, {.n_vertices = n_vertices});",
     ),
     Technique(
@@ -177,6 +177,13 @@ TECHNIQUES = [
         "core/mesh/keep_apart.cpp",
         "if (meeting.empty()) return;",
         "return;",
+    ),
+    Technique(
+        "collapses_apart",
+        "collapses that make faces meet give way to others",
+        "core/mesh/decimate_apart.cpp",
+        "if (meeting.empty() ||",
+        "if (true ||",
     ),
     Technique(
         "splits_apart",

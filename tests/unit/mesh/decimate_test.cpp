@@ -27,6 +27,22 @@ TEST_CASE("decimate: the vertices left are vertices of the input, far from the o
     for (const Vec3& v : coarse.vertices) CHECK((v - Vec3(4e6, 0, 0)).norm() == doctest::Approx(1).epsilon(1e-6));
 }
 
+TEST_CASE("decimate: what is to be kept stays, and all that is left knows where it comes from") {
+    const Mesh fine = icosphere(4);
+    std::vector<char> is_kept(fine.vertices.size(), 0);
+    for (std::size_t v = 0; v < is_kept.size(); ++v) is_kept[v] = fine.vertices[v].x() > 0.8 ? 1 : 0;
+    const Decimated coarse = decimate_keeping(fine, 600, is_kept);
+    CHECK(coarse.mesh.n_vertices() == 600);
+    REQUIRE(coarse.sources.size() == 600);
+    std::vector<char> is_left(fine.vertices.size(), 0);
+    for (std::size_t v = 0; v < coarse.sources.size(); ++v) {
+        const auto source = static_cast<std::size_t>(coarse.sources[v]);
+        CHECK((coarse.mesh.vertices[v] - fine.vertices[source]).norm() < 1e-12);
+        is_left[source] = 1;
+    }
+    for (std::size_t v = 0; v < is_kept.size(); ++v) CHECK(is_left[v] >= is_kept[v]);
+}
+
 TEST_CASE("decimate: an open mesh is refused") {
     Mesh open = shapes::tetrahedron();
     open.triangles.pop_back();
