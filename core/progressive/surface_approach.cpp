@@ -19,6 +19,7 @@ namespace {
 constexpr double bits_per_vertex = 13;  ///< that a log takes, roughly: what a split costs
 constexpr double tried = 1.5;           ///< splits for each one that is taken; 1.25: 1 % worse at 5,000, 2: the same
 constexpr int fewest_spare = 2;         ///< of a batch however small
+constexpr double most_usual = 30;       ///< medians of a face's mean squared distance
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -94,6 +95,17 @@ EmittedBatch emit_apart(const RefinableMesh& state, std::span<const std::int32_t
     }
 }
 
+/// Of the squared distances of the faces, world units squared; 0 if none was measured.
+double median_mean_square(std::span<const FaceDistance> faces) {
+    std::vector<double> mean_squares;
+    for (const FaceDistance& face : faces)
+        if (face.area > 0) mean_squares.push_back(face.squared / face.area);
+    if (mean_squares.empty()) return 0;
+    const auto middle = mean_squares.begin() + std::ssize(mean_squares) / 2;
+    std::ranges::nth_element(mean_squares, middle);
+    return *middle;
+}
+
 }  // namespace
 
 MeasuredMesh measure(const RefinableMesh& state, SurfaceMeter& meter) {
@@ -153,7 +165,10 @@ ApproachStep approach(RefinableMesh& state, const MeasuredMesh& now, std::span<c
 }
 
 double gain_of_a_bit(const MeasuredMesh& now) {
-    return 2 * squared_distance(now) / (now.mesh.n_vertices() * bits_per_vertex);
+    const double most = most_usual * median_mean_square(now.faces);
+    double usual = 0;
+    for (const FaceDistance& face : now.faces) usual += std::min(face.squared, most * face.area);
+    return 2 * usual / (now.mesh.n_vertices() * bits_per_vertex);
 }
 
 }  // namespace anyrate

@@ -63,7 +63,9 @@ ApproachStep approach(RefinableMesh& state, const MeasuredMesh& now, std::span<c
                       SurfaceMeter& meter, const ApproachOptions& options);
 
 /// What a bit brings as part of a split, world units to the fourth: the squared distance falls about with the square of
-/// the vertices, so that one more vertex of n lowers it by 2 / n of itself.
+/// the vertices, so that one more vertex of n lowers it by 2 / n of itself. What a few faces have beyond thirty times
+/// the usual stays whatever is split, as in a crevice whose sides are taken for each other, and does not count: it
+/// would make bits so dear that the whole surface is rounded (a bowl of 50,000 vertices: 0.0133 % of the diagonal off).
 double gain_of_a_bit(const MeasuredMesh& now);
 
 }  // namespace anyrate

@@ -67,6 +67,19 @@ TEST_CASE("Approach: a face promises its area times its distance, its neighbours
     for (std::size_t f = 0; f < scores.size(); ++f) CHECK(scores[f] == doctest::Approx(expected[f]));
 }
 
+TEST_CASE("Approach: what a few faces are off beyond the usual makes no bit dearer") {
+    MeasuredMesh now{icosphere(2), std::vector<FaceDistance>(320, FaceDistance{.area = 2, .squared = 0.5})};
+    const double usual = gain_of_a_bit(now);
+    now.faces[7].squared = 10;  // twenty times as far as the others, squared
+    CHECK(gain_of_a_bit(now) == doctest::Approx(usual * (319 + 20) / 320));
+    now.faces[7].squared = 1e9;
+    CHECK(gain_of_a_bit(now) == doctest::Approx(usual * (319 + 30) / 320));
+    now.faces[7] = {};  // not measured
+    CHECK(gain_of_a_bit(now) == doctest::Approx(usual * 319 / 320));
+    std::ranges::fill(now.faces, FaceDistance{});
+    CHECK(gain_of_a_bit(now) == 0);
+}
+
 TEST_CASE("Approach: a face that bulges promises most") {
     Mesh mesh = icosphere(3);
     for (const std::int32_t v : mesh.triangles[100]) mesh.vertices[at(v)] *= 1.1;
