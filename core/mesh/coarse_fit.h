@@ -13,7 +13,7 @@ namespace anyrate {
 Mesh fit_coarse_mesh(const Mesh& mesh, int n_vertices, SurfaceMeter& meter, bool may_meet = false);
 
 /// The longest part of it, on one thread: the surface as it is simplified first. For who has other work meanwhile.
-Mesh first_coarse_stage(const Mesh& mesh, int n_vertices);
+Mesh first_coarse_stage(const Mesh& mesh, int n_vertices, bool may_meet = false);
 
 /// The rest of it.
 /// @param stage  first_coarse_stage() of the mesh

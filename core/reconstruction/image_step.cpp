@@ -4,6 +4,7 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/progressive/batch_selection.h"
@@ -72,7 +73,7 @@ struct SplitGain {
 
 /// @param faces      that were split
 /// @param first_new  per face the first of its three new vertices
-std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistortion& before, const Refined& after,
+std::vector<SplitGain> photo_gains(const RefinableMesh& state, const StateDistortion& before, const Refined& after,
                                    std::span<const std::int32_t> faces, std::span<const std::int32_t> first_new) {
     const Mesh old_mesh = state.to_mesh();
     const OneRings old_rings(old_mesh), new_rings(after.mesh);
@@ -125,7 +126,7 @@ OptimisedBatch optimise_batch(const RefinableMesh& state, const StateDistortion&
         for (std::size_t i = 0; i < faces.size(); ++i) distortions[at(faces[i])] = near[i];
     }
     return {targets_of(trial, state.n_vertices()),
-            split_gains(state, now, {mesh, distortions}, batch, trial.first_new)};
+            photo_gains(state, now, {mesh, distortions}, batch, trial.first_new)};
 }
 
 /// Emits the batch on a copy of the state, without the faces that are left out.
@@ -138,22 +139,22 @@ RefinementStep try_step(const RefinableMesh& state, std::span<const std::int32_t
 }
 
 /// Adds to `left_out`, ascending, the splits that do harm, and while more than `most` are left, those that gain least.
-/// @param is_rejected  learns of those that do harm
+/// @param rejected  gets those that do harm
 /// @return whether it added any
 bool leave_out(std::vector<SplitGain> gains, std::size_t most, std::vector<std::int32_t>& left_out,
-               std::vector<char>& is_rejected) {
+               std::vector<std::int32_t>& rejected) {
     std::ranges::stable_sort(gains, std::greater<>(), &SplitGain::gain);
     const std::size_t n_before = left_out.size();
     for (std::size_t i = 0; i < gains.size(); ++i) {
         const bool harms = gains[i].gain < 0;
-        if (harms) is_rejected[at(gains[i].face)] = 1;
+        if (harms) rejected.push_back(gains[i].face);
         if (harms || i >= most) left_out.push_back(gains[i].face);
     }
     std::sort(left_out.begin(), left_out.end());
     return left_out.size() > n_before;
 }
 
-std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistortion& before,
+std::vector<SplitGain> photo_gains(const RefinableMesh& state, const StateDistortion& before,
                                    const RefinementStep& step) {
     const Mesh mesh = step.state.to_mesh();
     std::vector<std::int32_t> faces, first_new;
@@ -161,24 +162,24 @@ std::vector<SplitGain> split_gains(const RefinableMesh& state, const StateDistor
         first_new.push_back(state.n_vertices() + 3 * static_cast<std::int32_t>(faces.size()));
         faces.push_back(record.face);
     }
-    return split_gains(state, before, {mesh, distortions_of(step.distortion->terms)}, faces, first_new);
+    return photo_gains(state, before, {mesh, distortions_of(step.distortion->terms)}, faces, first_new);
 }
 
 /// The batch as far as it lowers Psi: without the splits that did harm where they are when they were tried, and while
 /// Psi does not fall, without those that turn out to.
-/// @param most         splits
-/// @param is_rejected  learns of the splits that did harm
+/// @param most      splits
+/// @param rejected  gets the faces whose splits did harm
 /// @return nullopt if no part of it lowers Psi
 std::optional<RefinementStep> take_step(const RefinableMesh& state, const StateDistortion& now,
                                         std::span<const std::int32_t> batch, std::size_t most,
                                         const OptimisedBatch& optimised, PhotoBackend& backend,
-                                        const RefineOptions& options, std::vector<char>& is_rejected) {
+                                        const RefineOptions& options, std::vector<std::int32_t>& rejected) {
     std::vector<std::int32_t> left_out;
-    if (!options.by_area) leave_out(optimised.gains, most, left_out, is_rejected);
+    if (!options.by_area) leave_out(optimised.gains, most, left_out, rejected);
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
         RefinementStep step = try_step(state, batch, optimised.targets, left_out, backend, options);
         if (options.by_area || step.distortion->point.mean < now.point.mean) return step;
-        if (!leave_out(split_gains(state, now, step), most, left_out, is_rejected)) break;
+        if (!leave_out(photo_gains(state, now, step), most, left_out, rejected)) break;
     }
     return std::nullopt;
 }
@@ -196,7 +197,7 @@ std::vector<std::int32_t> all_but(int n, std::span<const std::int32_t> batch, co
 std::optional<RefinementStep> follow_images(const RefinableMesh& state, const StateDistortion& now,
                                             PhotoBackend& backend, const RefinementScene& scene,
                                             const RefineOptions& options, const std::stop_token& stop,
-                                            std::vector<char>& is_rejected) {
+                                            std::span<const char> is_rejected) {
     const Mesh mesh = state.to_mesh();
     const std::vector<char> is_guessed = scene.guessed.vertices(mesh);
     const BatchSize size = batch_size(state.n_vertices(), options.followed_growth, options);
@@ -205,11 +206,14 @@ std::optional<RefinementStep> follow_images(const RefinableMesh& state, const St
     if (batch.empty()) return std::nullopt;
     const OptimisedBatch optimised = optimise_batch(state, now, batch, backend, scene, options, stop);
     if (stop.stop_requested()) return std::nullopt;  // half optimised, it is not what an undisturbed run makes
+    std::vector<std::int32_t> rejected;
     std::optional<RefinementStep> step =
-        take_step(state, now, batch, at(size.taken), optimised, backend, options, is_rejected);
-    if (step) return step;
+        take_step(state, now, batch, at(size.taken), optimised, backend, options, rejected);
     // The count has to be met. Other batches tried first, three in a row, cost the bowl 1.2 s and gain nothing.
-    return try_step(state, batch, optimised.targets, all_but(size.taken, batch, state, scores), backend, options);
+    if (!step)
+        step = try_step(state, batch, optimised.targets, all_but(size.taken, batch, state, scores), backend, options);
+    step->rejected = std::move(rejected);
+    return step;
 }
 
 }  // namespace anyrate

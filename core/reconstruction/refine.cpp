@@ -23,7 +23,7 @@ bool has_room(const RefinableMesh& state, const RefineOptions& options) {
 /// @return nullopt if nothing can be split, or on a stop
 std::optional<RefinementStep> next_step(const RefinableMesh& state, StateDistortion& now, PhotoBackend& backend,
                                         const RefinementScene& scene, const RefineOptions& options,
-                                        const std::stop_token& stop, std::vector<char>& is_rejected) {
+                                        const std::stop_token& stop, std::span<const char> is_rejected) {
     if (!options.follows_images) return approach_fitted(state, scene, is_rejected, options);
     if (now.terms.empty()) now = measure_state(backend, state, options.samples_per_px);
     std::optional<RefinementStep> step = follow_images(state, now, backend, scene, options, stop, is_rejected);
@@ -57,8 +57,8 @@ std::vector<CurvePoint> refine(RefinableMesh& state, PhotoBackend& backend, cons
     std::vector<char> none_rejected;
     std::vector<char>& is_rejected = rejected ? *rejected : none_rejected;
     std::optional<RefinementStep> ahead;  // the batch that follows, if that is known before the state is measured
+    is_rejected.resize(at(state.n_faces()), 0);
     while (has_room(state, options) && !stop.stop_requested()) {
-        is_rejected.resize(at(state.n_faces()), 0);
         std::optional<RefinementStep> step = ahead ? std::exchange(ahead, std::nullopt)
                                                    : next_step(state, now, backend, scene, options, stop, is_rejected);
         if (!step) break;

@@ -154,7 +154,7 @@ TECHNIQUES = [
         "quadric_base",
         "the base's vertices stand where the surface bends",
         "core/mesh/coarse_fit.cpp",
-        "Mesh base = decimate_apart(stage, n_vertices);",
+        "Mesh base = simplify(stage, n_vertices, may_meet);",
         "Mesh base = remesh_isotropic(mesh, {.n_vertices = n_vertices});",
     ),
     Technique(
