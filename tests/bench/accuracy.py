@@ -49,8 +49,11 @@ def growth(curve, n_vertices):
 
 
 def routes(bench, capture, model, finer, budgets):
-    """Seen mean of the log's prefixes, and of both finest meshes simplified to the same counts."""
-    finest = {str(n): bench.decode(m, n) for n, m in ((max(budgets), model), (2 * max(budgets), finer))}
+    """Seen mean of the log's prefixes, and of both finest meshes simplified to the same counts.
+
+    The longer log is one of its own, with a finer surface behind it: its mesh is held against its own prefixes, too."""
+    logs = {str(max(budgets)): model, str(2 * max(budgets)): finer}
+    finest = {name: bench.decode(log, int(name)) for name, log in logs.items()}
     rows = []
     for n in budgets:
         row = {"vertices": n, "prefix_percent": 100 * bench.seen(bench.decode(model, n), capture)["mean"]}
@@ -60,6 +63,8 @@ def routes(bench, capture, model, finer, budgets):
             simple = 100 * bench.seen(bench.simplify(mesh, n), capture)["mean"]
             row[f"simplified_from_{name}_percent"] = simple
             row[f"prefix_over_simplified_from_{name}"] = row["prefix_percent"] / simple
+            own = 100 * bench.seen(bench.decode(logs[name], n), capture)["mean"]
+            row[f"own_prefix_over_simplified_from_{name}"] = own / simple
         rows.append(row)
     return rows
 

@@ -105,7 +105,10 @@ class Smoke(unittest.TestCase):
             self.assertEqual(row["genus"], 1)
             self.assertGreaterEqual(row["self_intersections"], 0)
             self.assertGreater(row["seen_percent"]["mean"], 0)
-        self.assertGreater(told["other_route"][0]["prefix_over_simplified_from_1000"], 0)
+        route = told["other_route"][0]
+        self.assertGreater(route["prefix_over_simplified_from_1000"], 0)
+        self.assertGreater(route["own_prefix_over_simplified_from_1000"], 0)
+        self.assertEqual(route["own_prefix_over_simplified_from_500"], route["prefix_over_simplified_from_500"])
         self.assertGreater(told["peak_memory_bytes"], 1e6)
         self.assertIn("| torus | 500 |", (out / "accuracy.md").read_text())
 
