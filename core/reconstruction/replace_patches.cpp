@@ -7,6 +7,7 @@
 #include "core/reconstruction/optimise_round.h"
 #include "core/reconstruction/optimise_surface.h"
 #include "core/reconstruction/robust_terms.h"
+#include "core/reconstruction/surface_view.h"
 
 namespace anyrate {
 namespace {
@@ -51,6 +52,26 @@ private:
     }
 };
 
+/// Flags n rings more. @return one a vertex: 1 where there was a flag, less in each ring, 0 beyond the last
+std::vector<double> grow_by_rings(std::vector<char>& flags, int n, const OneRings& rings) {
+    std::vector<double> heights(flags.begin(), flags.end());
+    for (int i = 0; i < n; ++i) {
+        grow_by_ring(flags, rings);
+        for (std::size_t v = 0; v < flags.size(); ++v) heights[v] += flags[v] != 0 ? 1 : 0;
+    }
+    for (double& height : heights) height /= n + 1;
+    return heights;
+}
+
+/// @param distance  mean edges that a vertex of height 1 moves outwards
+void push(Mesh& mesh, std::span<const std::int32_t> vertices, std::span<const double> heights, double distance,
+          const OneRings& rings) {
+    const std::vector<Vec3> normals = vertex_normals(mesh, rings);
+    const std::vector<double> edges = mean_edge_lengths(mesh, rings);
+    for (const std::int32_t v : vertices)
+        mesh.vertices[at(v)] += distance * heights[at(v)] * edges[at(v)] * normals[at(v)];
+}
+
 /// What the images say of a patch.
 struct Evidence {
     double phi = 0;  ///< robust
@@ -92,12 +113,15 @@ void replace_patches(PhotoBackend& backend, Silhouettes& silhouettes, const OneR
     const std::optional<double> usual = usual_distortion(G, is_guessed);
     if (!usual) return;
     std::vector<char> flags = doubtful_or_guessed(G, is_guessed, options.doubt);
-    for (int i = 0; i < options.n_rings; ++i) grow_by_ring(flags, rings);
+    const std::vector<double> heights = grow_by_rings(flags, options.n_rings, rings);
     const Patches patches(flags, rings);
     if (patches.vertices.empty()) return;
 
     Mesh trial = mesh;
-    fair(trial, flags, attachment);
+    if (options.push)
+        push(trial, patches.vertices, heights, *options.push, rings);
+    else
+        fair(trial, flags, attachment);
     for (int level = std::min(options.level, backend.n_levels() - 1); level >= 0; --level) {
         const OptimiseOptions optimise{.level = level, .rounds = options.rounds};
         optimise_surface(backend, silhouettes, trial.vertices, trial.triangles, patches.vertices, {}, optimise, stop);

@@ -122,6 +122,13 @@ TECHNIQUES = [
         "return;",
     ),
     Technique(
+        "pushed_patches",
+        "patches that rest where images disagree start anew from a place further in and further out",
+        CORE + "mend_patches.cpp",
+        "    replace(pushed_passes);",
+        "",
+    ),
+    Technique(
         "patches_of_cropped",
         "the same where photographs are cropped to 70 %",
         CORE + "confirm_guesses.cpp",

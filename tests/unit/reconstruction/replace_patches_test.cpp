@@ -26,10 +26,10 @@ struct Scene {
 
     explicit Scene(Capture captured = painted_sphere(n_views, n_pixels, wavy_paint)) : capture(std::move(captured)) {}
 
-    void replace_patches(Mesh& mesh, std::span<char> is_guessed) {
+    void replace_patches(Mesh& mesh, std::span<char> is_guessed, const PatchOptions& options = {}) {
         const OneRings rings(mesh);
         FaceDistortions distortions(*backend, mesh);
-        anyrate::replace_patches(*backend, silhouettes, rings, distortions, is_guessed, mesh, {});
+        anyrate::replace_patches(*backend, silhouettes, rings, distortions, is_guessed, mesh, options);
     }
     void mend_patches(Mesh& mesh, std::vector<char>& is_guessed) {
         anyrate::mend_patches(*backend, silhouettes, FaceDistortions(*backend, mesh), 1, is_guessed, mesh);
@@ -44,6 +44,20 @@ Mesh flapped_sphere() {
     for (Vec3& v : mesh.vertices)
         if (is_in_patch(v)) v += 6 * (v.x() - 0.95) * Vec3(0.8, 0.5, 0);
     return mesh;
+}
+
+// A unit sphere with a pit of the given depth at +x.
+Mesh pitted_sphere(double depth) {
+    Mesh mesh = icosphere(3);
+    for (Vec3& v : mesh.vertices)
+        if (is_in_patch(v)) v *= 1 - depth * (v.x() - 0.95) / 0.05;
+    return mesh;
+}
+
+double farthest_off_sphere(const Mesh& mesh) {
+    double farthest = 0;
+    for (const Vec3& v : mesh.vertices) farthest = std::max(farthest, std::abs(v.norm() - 1));
+    return farthest;
 }
 
 // Each view has other paint at +x than the others, so that no surface there agrees with them.
@@ -70,6 +84,20 @@ TEST_CASE("Replace patches: a flap that the photographs contradict gives way to 
     scene.replace_patches(mesh, is_guessed);
     for (const Vec3& v : mesh.vertices) CHECK(std::abs(v.norm() - 1) < 0.02);
     CHECK(std::ranges::count(is_guessed, 1) == 0);
+}
+
+TEST_CASE("Replace patches: a push leads out of a pit that the photographs alone do not lead out of") {
+    const Mesh pitted = pitted_sphere(0.4);
+    const auto pushed_by = [&](double n_edges) {
+        Scene scene;
+        Mesh mesh = pitted;
+        std::vector<char> is_guessed(mesh.vertices.size());
+        scene.replace_patches(mesh, is_guessed, {.push = n_edges});
+        return mesh;
+    };
+    CHECK(farthest_off_sphere(pushed_by(0)) > 0.03);
+    CHECK(farthest_off_sphere(pushed_by(1)) < 0.01);
+    CHECK(pushed_by(-1).vertices == pitted.vertices);
 }
 
 TEST_CASE("Replace patches: what the photographs agree on stays where it is") {
